@@ -40,7 +40,7 @@ FLOORS = [
     {"types"},
 ]
 HEIGHT = {room: len(FLOORS) - k for k, floor in enumerate(FLOORS) for room in floor}
-LATE = {"cmtof.cli"}
+LATE = "cmtof.cli."
 """Modules that may ask a companion, within the function that needs it."""
 STILL_UPWARD = {
     ("cmtof.network.data", "cmtof_rooms.rendering"),
@@ -83,7 +83,7 @@ def test_imports_lead_down(imports):
 
 
 def test_no_package_knows_a_higher_one(imports):
-    known = {(a, b) for a, b in imports if a not in LATE}
+    known = {(a, b) for a, b in imports if not a.startswith(LATE)}
     assert {(a, b) for a, b in known if height(a) < height(b)} == STILL_UPWARD
 
 

@@ -13,7 +13,7 @@ from packaging.requirements import Requirement
 from packaging.utils import canonicalize_name
 from pytest import mark
 
-from cmtof.cli import EXTRAS
+from cmtof.terminal import EXTRAS
 from cmtof_book import ROOT
 
 PROJECT = tomllib.loads((ROOT / "pyproject.toml").read_text("utf-8"))["project"]

@@ -1,10 +1,10 @@
-"""What the command line says: tables, a bar, and text that any terminal can show."""
+"""What the command line says: tables, a bar, errors, and text that any terminal can show."""
 
 import codecs
 import os
 import signal
 import sys
-from collections.abc import Callable, Iterable, Iterator, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from contextlib import contextmanager
 from pathlib import Path
 
@@ -18,6 +18,20 @@ PLAIN = {
     "…": "...",
     "°": " deg",
     "−": "-",
+}
+
+MODULES = {
+    "hardware": "pyvisa serial thorlabs_apt_protocol",
+    "lab": "cv2",
+    "networks": "onnxruntime safetensors",
+    "plot": "cycler matplotlib",
+    "rooms": "embreex trimesh",
+    "train": "lightning torch",
+    "view": "IPython pyvista",
+}
+# Extra of each module that comes with none of the package's own dependencies.
+EXTRAS = {
+    module: extra for extra, modules in MODULES.items() for module in modules.split()
 }
 
 
@@ -49,6 +63,27 @@ def shown(text: object) -> str:
     """
     return "".join(
         c if c.isprintable() or c in "\n\t" else repr(c)[1:-1] for c in str(text)
+    )
+
+
+def error_line(error: Exception) -> str:
+    """One line for an error: bad input as it says itself, anything else as a defect."""
+    if isinstance(error, OSError) and error.strerror:
+        return (
+            f"Expected to read or write {error.filename or 'a file'}, got «{error.strerror}». "
+            "Check disk, path and permissions."
+        )
+    if isinstance(error, ModuleNotFoundError) and (
+        extra := EXTRAS.get(f"{error.name}")
+    ):
+        return f"Expected {error.name}, got none. Install it: pip install 'cmtof[{extra}]'."
+    text = " ".join(str(error).split())
+    if isinstance(error, ImportError) or text.startswith("Expected"):
+        return text
+    if isinstance(error, MemoryError):
+        return f"Expected enough memory, got none left. Take a smaller input. {text}".strip()
+    return (
+        f"{type(error).__name__}: {text} (a defect, please report; --debug shows where)"
     )
 
 
@@ -86,16 +121,15 @@ def hidden() -> bool:
     return bool(os.environ.get("CI")) or not sys.stderr.isatty()
 
 
-def print_table(
-    title: str, head: Sequence[str], rows: Iterable[Iterable[object]]
-) -> None:
-    """Print a table, its cells as they are."""
+def print_table(title: str, rows: Sequence[Mapping[str, object]]) -> None:
+    """Print a table of rows by the titles of their columns, their cells as they are."""
     from rich.console import Console
     from rich.table import Table
     from rich.text import Text
 
+    head = dict.fromkeys(title for row in rows for title in row)
     table = Table(*head, title=Text(shown(title)) if title else None)
     table.columns[0].no_wrap = True
     for row in rows:
-        table.add_row(*(Text(shown(cell)) for cell in row))
+        table.add_row(*(Text(shown(row.get(title, ""))) for title in head))
     Console().print(table)

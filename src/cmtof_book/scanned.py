@@ -72,7 +72,7 @@ MIRRORED = "fast-scnn-mirrored"
 FIRST_LEG: Values = {"steps": 600, "learning_rate": 5e-4, "crop": 192, "batch": 2}
 NEXT_LEGS: Values = FIRST_LEG | {
     "steps": 1500
-}  # options of `cmtof.network.training.fine_tune`
+}  # options of `cmtof.network.tuning.fine_tune`
 
 DEPTH_WEIGHT = 0.005  # weight of the distance in depth, 1/mm, as where the network was trained last
 
@@ -222,7 +222,7 @@ def tuned_weights(folder: Path, count: int, legs: int) -> Path:
     """
     import torch
 
-    from cmtof.network.training import fine_tune
+    from cmtof.network.tuning import fine_tune
     from cmtof.network.weights import load_weights, save_weights
 
     if not legs:

@@ -11,11 +11,12 @@ from pytest import approx, fixture, mark, raises, skip
 import cmtof
 from cmtof.correlation import TAU
 from cmtof.files import alone
-from cmtof.network import training
+from cmtof.network import tuning
 from cmtof.network.data import WRAP, Steps, open_rooms
 from cmtof.network.losses import IGNORED
 from cmtof.network.recipe import PRESETS, Config, Stage, read_config
-from cmtof.network.training import Unwrapping, fine_tune, loss_of, train
+from cmtof.network.training import Unwrapping, loss_of, train
+from cmtof.network.tuning import fine_tune
 from cmtof.network.weights import load_weights, read_card
 
 CPU = {"accelerator": "cpu", "devices": 1, "quiet": True}
@@ -184,9 +185,9 @@ def test_crops_of_fine_tuning_move_over_the_classes(stored, stepped_wall):
     """Without noise, wraps, phase and depth of a moved crop still belong together."""
     exact = cmtof.simulate(stepped_wall, noise_free=True)
     wraps = np.floor(exact.depth / WRAP).astype(int)
-    view = training._view(load_weights(stored()), exact, wraps, exact.depth)
+    view = tuning._view(load_weights(stored()), exact, wraps, exact.depth)
     rng = np.random.default_rng(0)
-    pieces = [training._piece(view, 21, 24, "proposed", rng) for _ in range(30)]
+    pieces = [tuning._piece(view, 21, 24, "proposed", rng) for _ in range(30)]
     label, turns, phase = (
         np.stack([getattr(piece, name) for piece in pieces])
         for name in ("label", "turns", "phase")

@@ -1,4 +1,4 @@
-"""Training in stages, the same to the bit after a kill, and fine-tuning (Sec. 8.1, 6.4)."""
+"""Training in stages, the same to the bit after a kill (Sec. 8.1)."""
 
 import ctypes
 import logging
@@ -6,7 +6,7 @@ import platform
 import time
 import warnings
 import zipfile
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 from contextlib import nullcontext
 from copy import deepcopy
 from pathlib import Path
@@ -17,21 +17,16 @@ import torch
 from lightning import LightningModule, Trainer
 from lightning.fabric.utilities.exceptions import MisconfigurationException
 from lightning.fabric.utilities.rank_zero import rank_zero_only
-from numpy.typing import NDArray
 from scipy.stats import ttest_1samp
 from torch import Tensor, nn
-from torch.utils.data import DataLoader, default_collate
+from torch.utils.data import DataLoader
 
 from cmtof import __version__
-from cmtof.constants import FREQUENCIES
-from cmtof.correlation import TAU
 from cmtof.files import alone, written_whole
 from cmtof.frame import broken
 from cmtof.hypersim import Hypersim
-from cmtof.measurement import Measurement
 from cmtof.network import weights
 from cmtof.network.data import (
-    WRAP,
     Batch,
     Packs,
     Sample,
@@ -40,22 +35,19 @@ from cmtof.network.data import (
     measure,
     open_rooms,
 )
-from cmtof.network.features import CLASSES, features
-from cmtof.network.inference import network_images
+from cmtof.network.features import CLASSES
 from cmtof.network.losses import IGNORED, regression_loss, unwrapping_loss
 from cmtof.network.models import Network, build_network
 from cmtof.network.muon import Muon
 from cmtof.network.recipe import Config
-from cmtof.types import Array, Fields, Numbers, Values
+from cmtof.types import Fields, Numbers, Values
 
 
 def loss_of(network: Network, sample: Sample) -> Tensor:
     """Loss of a network on a sample (Eq. 7, or that of a regression)."""
-    model, found, (_, label, phase, turns) = (
-        network.model,
-        network(sample.inputs),
-        sample,
-    )
+    model = network.model
+    found = network(sample.inputs)
+    _, label, phase, turns = sample
     if network.target == "wraps":
         return unwrapping_loss(
             found, label, phase, turns, depth_weight=model.depth_weight
@@ -109,7 +101,9 @@ class Unwrapping(LightningModule):
         self, config: Config, packs: Packs, last: Path, init: Path | None = None
     ) -> None:
         super().__init__()
-        self.config, self.checkpoint, (self.seen, self.held_out) = config, last, packs
+        self.config = config
+        self.checkpoint = last
+        self.seen, self.held_out = packs
         torch.manual_seed(config.seed)
         self.network = build_network(config.model, config.protocol)
         if config.depth_weight is not None:
@@ -125,7 +119,8 @@ class Unwrapping(LightningModule):
         self.average = deepcopy(self.network).requires_grad_(False)
         self.network.to(memory_format=torch.channels_last)  # pyright: ignore
         self.curve: list[Values] = []
-        self.began, self.end = time.monotonic(), np.inf
+        self.began = time.monotonic()
+        self.end = np.inf
 
     def train_dataloader(self) -> DataLoader:
         steps = Steps(self.config, self.seen, self.global_rank, self.trainer.world_size)
@@ -161,9 +156,8 @@ class Unwrapping(LightningModule):
             found = self.validated()["validation"].model_dump()
             self.curve.append({"step": self.global_step} | found)
         self.trainer.should_stop = time.monotonic() > self.end
-        whole = (
-            written_whole if self.trainer.is_global_zero else nullcontext
-        )  # others take part
+        # other processes take part, and write nothing
+        whole = written_whole if self.trainer.is_global_zero else nullcontext
         with whole(self.checkpoint) as part:
             self.trainer.save_checkpoint(part)
 
@@ -180,57 +174,57 @@ class Unwrapping(LightningModule):
         self.curve = checkpoint["cmtof"]["curve"]
         self.began -= checkpoint["cmtof"]["seconds"]
 
-    def validated(self) -> Fields:
-        """Fields of a card: rates of the averaged weights and of trivial answers, and the gain.
-
-        The gain's interval is Student's, over views: their pixels are right or wrong together.
-        """
-        config = self.config
+    def errors(self) -> Iterator[tuple[Numbers, Numbers]]:
+        """Wrap errors of the averaged weights in each held-out view, and the true classes."""
         network = self.average.eval()
         pack = self.held_out
-        chosen = np.unique(
-            np.linspace(0, len(pack.far) - 1, config.validation_views).round()
-        )
-        ours = []
-        labels = []
-        for view in chosen.astype(int):
+        places = np.linspace(0, len(pack.far) - 1, self.config.validation_views)
+        sigma = self.config.stages[-1].noise[1]
+        for view in np.unique(places.round()).astype(int):
             rng = np.random.default_rng([7, view])
-            sigma = config.stages[-1].noise[1]
-            batch = batch_of([(*pack.staged(view, config.protocol), sigma, rng)])
-            sample = self.measured(Batch(*(x.to(self.device) for x in batch)))
+            crop = (*pack.staged(view, self.config.protocol), sigma, rng)
+            held = batch_of([crop])
+            sample = self.measured(Batch(*(x.to(self.device) for x in held)))
             with torch.inference_mode():
                 found = network(sample.inputs)
             turns = found[:, 0].floor().clamp(0, network.classes - 1)
             wraps = turns.long() if network.target == "depth" else found.argmax(1)
             scored = sample.label != IGNORED
             if scored.any():
-                labels.append(sample.label[scored].cpu().numpy())
-                ours.append(abs(wraps[scored].cpu().numpy() - labels[-1]))
+                label = sample.label[scored].cpu().numpy()
+                yield abs(wraps[scored].cpu().numpy() - label), label
+
+    def validated(self) -> Fields:
+        """Fields of a card: rates of the averaged weights and of trivial answers, and the gain."""
+        ours, labels = zip(*self.errors(), strict=True)
         mode = int(np.bincount(np.concatenate(labels)).argmax())
-        constants = {"middle": network.classes // 2, "mode": mode}
+        constants = {"middle": self.average.classes // 2, "mode": mode}
         others = {
             name: [abs(n - true) for true in labels] for name, n in constants.items()
         }
         trivial = {name: _rates(deltas) for name, deltas in others.items()}
-        best = others[max(trivial, key=lambda name: trivial[name].delta_lt_1)]
-        gains = [
-            np.mean(a < 1) - np.mean(b < 1) for a, b in zip(ours, best, strict=True)
-        ]
-        test = (
-            ttest_1samp(gains, 0.0).confidence_interval()
-            if len(gains) > 1
-            else (-1.0, 1.0)
-        )
-        gain = tuple(float(x) for x in (np.mean(test), *test))
+        best = max(trivial, key=lambda name: trivial[name].delta_lt_1)
         return {
-            "views": len(gains),
+            "views": len(ours),
             "validation": _rates(ours),
             "trivial": trivial,
-            "gain": gain,
+            "gain": _gain(ours, others[best]),
         }
 
 
-def _rates(deltas: list[Numbers]) -> weights.Rates:
+def _gain(ours: Sequence[Numbers], others: Sequence[Numbers]) -> tuple[float, ...]:
+    """How much more often ours are right, and its 95 % interval.
+
+    It is Student's, over views: their pixels are right or wrong together.
+    """
+    gains = [np.mean(a < 1) - np.mean(b < 1) for a, b in zip(ours, others, strict=True)]
+    interval = (-1.0, 1.0)
+    if len(gains) > 1:
+        interval = ttest_1samp(gains, 0.0).confidence_interval()
+    return tuple(float(x) for x in (np.mean(interval), *interval))
+
+
+def _rates(deltas: Sequence[Numbers]) -> weights.Rates:
     """Rates of wrap errors over all views."""
     delta = np.concatenate(deltas)
     below = {f"delta_lt_{k}": float((delta < k).mean()) for k in (1, 2, 3)}
@@ -268,193 +262,99 @@ def _train(
 ) -> Path | None:
     """Training as in `train`, in a folder that no other process writes."""
     last = folder / "last.ckpt"
-    if begun := last.is_file():
-        if not resume:
-            raise ValueError(
-                f"Expected a new folder, got a run in {folder}. Pass --resume, or choose another."
-            )
-        try:
-            if spoilt := zipfile.ZipFile(last).testzip():
-                raise ValueError(f"{spoilt} is damaged")
-            held = torch.load(last, map_location="cpu", weights_only=True)["cmtof"][
-                "config"
-            ]
-        except Exception as error:  # pickle, zipfile and torch raise half a dozen kinds
-            raise broken("a whole checkpoint", last, error) from error
-        if held != config.model_dump_json():
-            raise ValueError(
-                f"Expected the configuration of {last}, got another. Change the folder."
-            )
+    begun = last.is_file()
+    if begun:
+        _check_checkpoint(last, config, resume)
     keep_pages()
     logging.getLogger("lightning.pytorch").setLevel(logging.ERROR)
     warnings.filterwarnings("ignore", module="lightning.*")
     packs = open_rooms(config, tree, folder.parent)
     module = Unwrapping(config, packs, last, init)
     module.end = np.inf if minutes is None else module.began + 60 * minutes
-    try:
-        trainer = Trainer(
-            max_epochs=-(-config.steps // config.save_every),
-            precision=config.precision,  # type: ignore[arg-type]
-            gradient_clip_val=2.0,
-            reload_dataloaders_every_n_epochs=1,
-            use_distributed_sampler=False,
-            sync_batchnorm=torch.cuda.is_available()
-            and flags.get("accelerator") != "cpu",
-            logger=False,
-            enable_checkpointing=False,
-            enable_progress_bar=not quiet,
-            enable_model_summary=False,
-            **flags,
-        )
-    except (MisconfigurationException, TypeError) as error:
-        raise ValueError(
-            f"Expected accelerator, devices and strategy that this machine has, got «{error}». "
-            "Choose others."
-        ) from error
+    trainer = _trainer(config, enable_progress_bar=not quiet, **flags)
     try:
         trainer.fit(module, ckpt_path=last if begun else None, weights_only=True)
     except SystemExit as stop:
-        if isinstance(
-            stop.__context__, KeyboardInterrupt
-        ):  # Lightning makes an exit of Ctrl-C
+        # Lightning makes an exit of Ctrl-C
+        if isinstance(stop.__context__, KeyboardInterrupt):
             raise KeyboardInterrupt from stop
         raise
     if trainer.global_step < config.steps:
         return None
     path = weights.weights_path(config.model, config.protocol, folder)
-    if not trainer.is_global_zero:
-        return path
-    module.average.load_state_dict(
-        weights.halved(module.average)
-    )  # validated as they are stored
-    (first, classes), rooms, gpu = (
-        CLASSES[config.protocol],
-        config.rooms,
-        torch.cuda.is_available(),
-    )
-    card = weights.Card(
+    if trainer.is_global_zero:
+        # validated as they are stored
+        module.average.load_state_dict(weights.halved(module.average))
+        weights.save_weights(path, module.average, _card(module))
+    return path
+
+
+def _check_checkpoint(last: Path, config: Config, resume: bool) -> None:
+    """Raise a ValueError unless a run is to go on from its whole checkpoint."""
+    if not resume:
+        raise ValueError(
+            f"Expected a new folder, got a run in {last.parent}. "
+            "Pass --resume, or choose another."
+        )
+    try:
+        if spoilt := zipfile.ZipFile(last).testzip():
+            raise ValueError(f"{spoilt} is damaged")
+        held = torch.load(last, map_location="cpu", weights_only=True)["cmtof"]
+        stored = held["config"]
+    except Exception as error:  # pickle, zipfile and torch raise half a dozen kinds
+        raise broken("a whole checkpoint", last, error) from error
+    if stored != config.model_dump_json():
+        raise ValueError(
+            f"Expected the configuration of {last}, got another. Change the folder."
+        )
+
+
+def _trainer(config: Config, **flags: Any) -> Trainer:
+    """Lightning's trainer; a ValueError if this machine lacks what the flags name."""
+    on_gpu = torch.cuda.is_available() and flags.get("accelerator") != "cpu"
+    try:
+        return Trainer(
+            max_epochs=-(-config.steps // config.save_every),
+            precision=config.precision,  # type: ignore[arg-type]
+            gradient_clip_val=2.0,
+            reload_dataloaders_every_n_epochs=1,
+            use_distributed_sampler=False,
+            sync_batchnorm=on_gpu,
+            logger=False,
+            enable_checkpointing=False,
+            enable_model_summary=False,
+            **flags,
+        )
+    except (MisconfigurationException, TypeError) as error:
+        raise ValueError(
+            "Expected accelerator, devices and strategy that this machine has, "
+            f"got «{error}». Choose others."
+        ) from error
+
+
+def _card(module: Unwrapping) -> weights.Card:
+    """Card of a training that has ended."""
+    config = module.config
+    first, classes = CLASSES[config.protocol]
+    data = "dead leaves"
+    if config.rooms:
+        data += f"; {config.rooms.scenes}x{config.rooms.views} views of rooms"
+    hardware = f"CPU, {torch.get_num_threads()} threads"
+    if torch.cuda.is_available():
+        hardware = torch.cuda.get_device_name()
+    return weights.Card(
         model=config.model,
         protocol=config.protocol,
         classes=classes,
         first_wrap=first,
         parameters=sum(weight.numel() for weight in module.average.parameters()),
         configuration=config.model_dump(mode="json"),
-        data="dead leaves"
-        + (f"; {rooms.scenes}x{rooms.views} views of rooms" if rooms else ""),
+        data=data,
         crops=sum(stage.steps * stage.batch for stage in config.stages),
         steps=config.steps,
         minutes=round((time.monotonic() - module.began) / 60, 1),
-        hardware=torch.cuda.get_device_name()
-        if gpu
-        else f"CPU, {torch.get_num_threads()} threads",
+        hardware=hardware,
         versions={"cmtof": __version__, "torch": torch.__version__.partition("+")[0]},
         curve=module.curve,
         **module.validated(),
-    )
-    weights.save_weights(path, module.average, card)
-    return path
-
-
-def fine_tune(
-    trained: weights.Trained,
-    examples: Sequence[tuple[Measurement, Numbers, Array]],
-    *,
-    steps: int = 200,
-    learning_rate: float = 1e-4,
-    crop: int = 64,
-    batch: int = 4,
-    seed: int = 0,
-) -> tuple[weights.Trained, list[float]]:
-    """Continue the training of a network on labelled measurements of an instrument (Sec. 6.4).
-
-    Examples are a measurement, its wraps of the lowest frequency (H, W), -1 where unknown, and
-    depth (H, W), m. The rate falls to zero; crops are mirrored, some turned, and moved to random
-    depths, for a few scans hold few wraps; norms keep their means. Returned are losses and a tuned
-    copy, the average over the last hundred steps.
-    """
-    card = trained.card
-    keep_pages()
-    average = deepcopy(trained.network).requires_grad_(False)
-    network = deepcopy(trained.network).to(memory_format=torch.channels_last).train()
-    views = [_view(trained, *example) for example in examples]
-    views = [view for view in views if (view[1] != IGNORED).any()]
-    if not views:
-        raise ValueError(
-            f"Expected labels among the wraps {card.first_wrap} to "
-            f"{card.first_wrap + card.classes - 1}, got none in {len(examples)} measurements. "
-            "Choose other weights."
-        )
-    for layer in norms(network):
-        layer.eval()
-    crop = min(crop, *(min(label.shape) for _, label, _ in views))
-    rng = np.random.default_rng(seed)
-    losses = []
-    optimizer = optimizer_of(network, "muon", learning_rate)
-    fall = torch.optim.lr_scheduler.LinearLR(optimizer, 1.0, 0.0, steps)
-    for step in range(steps):
-        drawn = rng.integers(len(views), size=batch)
-        pieces = [
-            _piece(views[k], card.classes, crop, network.model.features, rng)
-            for k in drawn
-        ]
-        loss = loss_of(network, default_collate(pieces))
-        optimizer.zero_grad()
-        loss.backward()
-        nn.utils.clip_grad_norm_(network.parameters(), 2.0)
-        optimizer.step()
-        fall.step()
-        average_into(average, network, step, 0.99)
-        losses.append(loss.item())
-    note = {
-        "steps": steps,
-        "learning_rate": learning_rate,
-        "examples": len(views),
-        "seed": seed,
-    }
-    return weights.Trained(
-        average.eval(), card.model_copy(update={"fine_tuned": note})
-    ), losses
-
-
-def _view(
-    trained: weights.Trained, measurement: Measurement, wraps: NDArray, depth: NDArray
-):
-    """Images, classes, `IGNORED` where unknown, and turns above the first class of an example."""
-    (network, card), turns = trained, np.asarray(depth, float) / WRAP
-    label = np.asarray(wraps, np.int64) - card.first_wrap
-    known = (
-        (label >= 0) & (label < card.classes) & np.isfinite(turns) & measurement.mask
-    )
-    images = network_images(measurement, network.model.features)
-    return (
-        images,
-        np.where(known, label, IGNORED),
-        np.where(known, turns - card.first_wrap, 0),
-    )
-
-
-def _piece(
-    view: tuple, classes: int, side: int, kind: str, rng: np.random.Generator
-) -> Sample:
-    """Augmented crop with a labelled pixel; NumPy arrays."""
-    images, label, turns = view
-    place = zip(rng.choice(np.argwhere(label != IGNORED)), label.shape, strict=True)
-    y, x = (np.clip(at - rng.integers(side), 0, size - side) for at, size in place)
-    window = (..., slice(y, y + side), slice(x, x + side))
-    turn = rng.integers(4) * rng.integers(2)  # scenes stand upright more often
-    mirror = 1 - 2 * rng.integers(2)
-    cut = (
-        np.rot90(x[window], turn, (-2, -1))[..., ::mirror]
-        for x in (label, turns, *images)
-    )
-    (label, turns, phase, amplitude, *more), move = map(np.ascontiguousarray, cut), 0.0
-    known = label != IGNORED
-    if not more:  # raw correlations stay where they are
-        move = rng.uniform(-turns[known].min(), classes - turns[known].max())
-    ratio = np.array(FREQUENCIES)[:, None, None] / FREQUENCIES[0]
-    label = label + np.floor(phase[0] / TAU + move).astype(int)
-    label[~known | (label < 0) | (label >= classes)] = IGNORED
-    phase = np.mod(phase + TAU * move * ratio, TAU).astype(np.float32)
-    return Sample(
-        features(phase, amplitude, kind, *more), label, phase[0], turns + move
     )

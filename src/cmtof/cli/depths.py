@@ -1,0 +1,290 @@
+"""Commands that turn measurements into depth, and compare methods."""
+
+import json
+import os
+import sys
+from collections.abc import Callable, Mapping
+from pathlib import Path
+from typing import TYPE_CHECKING, Annotated, Any
+
+from typer import Argument, Option
+
+from cmtof.cli.options import (
+    Camera,
+    DepthScale,
+    File,
+    Intensity,
+    Linear,
+    Noise,
+    NoiseFree,
+    Planar,
+    Protocol,
+    Quiet,
+    Seed,
+    to_write,
+)
+from cmtof.files import check_output
+from cmtof.terminal import error_line, print_table, progress, shown
+
+if TYPE_CHECKING:
+    from cmtof.evaluation import Evaluation
+    from cmtof.frame import Frames
+
+
+def unwrap(
+    measurement: Annotated[
+        list[Path], Argument(help="Measurements .nc, .npz or *_phase.csv.")
+    ],
+    output: Annotated[
+        Path, Option("--output", "-o", help="File, *.nc; a folder for several.")
+    ],
+    method: Annotated[str, Option(help="Name out of `cmtof methods`.")] = "surfaces",
+    range: Annotated[
+        tuple[float, float] | None,
+        Option(metavar="MIN MAX", help="Depths, m: MIN <= z < MAX."),
+    ] = None,
+    min_confidence: Annotated[float, Option(help="Mask pixels below, 0 to 1.")] = 0.0,
+    window: Annotated[int | None, Option(help="Side of window, px (beat).")] = None,
+    weights: Annotated[File, Option(help="Own .safetensors (learned methods).")] = None,
+    ply: Annotated[
+        File, to_write(".ply", "--ply", text="Point cloud (camera).")
+    ] = None,
+    tile: Annotated[int, Option(min=0, help="Side of tiles, px, of a large .nc.")] = 0,
+    quiet: Quiet = False,
+) -> None:
+    """Turn correlation images into wrap count, depth and confidence.
+
+    Prints how many wraps are right when the file holds the truth.
+
+    Example: [bold]cmtof unwrap m.nc -o out.nc --ply cloud.ply[/bold]
+    """
+    several = len(measurement) > 1
+    targets = (
+        [output / f"{path.stem}.nc" for path in measurement] if several else [output]
+    )
+    _check_distinct([*measurement, *targets, *([ply] if ply else [])])
+    one = not (tile or several)
+    if ply is not None and not one:
+        raise ValueError(
+            "Expected one file, seen at once, for --ply, got more. Leave --ply out."
+        )
+    given = {
+        "method": method,
+        "range": range,
+        "min_confidence": min_confidence,
+        "window": window,
+        "weights": weights,
+        "tile": tile,
+    }
+    how = {name: value for name, value in given.items() if value is not None}
+    if several:
+        output.mkdir(exist_ok=True)
+    for target in targets:
+        check_output(target, ".nc")
+    with progress(len(targets), quiet or one) as advance:
+        pairs = zip(measurement, targets, strict=True)
+        rows = [_unwrapped(*pair, ply, how, advance) for pair in pairs]
+    print_table(f"method {method}, into {output}", rows)
+
+
+def _check_distinct(paths: list[Path]) -> None:
+    """Raise a ValueError if two of inputs and outputs are one file."""
+    real = {os.path.realpath(path) for path in paths}  # of a circle of links, too
+    if len(real) < len(paths):
+        raise ValueError(
+            f"Expected another file for each of inputs and outputs, got {paths[0].name} twice. "
+            "Name another."
+        )
+
+
+def _unwrapped(
+    path: Path,
+    target: Path,
+    ply: Path | None,
+    how: dict[str, Any],
+    advance: Callable[..., None],
+) -> dict[str, str]:
+    """Unwrap a file; return its line of the table."""
+    from cmtof.evaluation import Tally, scored_pixels
+    from cmtof.pointcloud import write_ply
+    from cmtof.unwrapping import unwrap_file
+
+    tally = Tally()
+    valid = 0
+    size = 0
+    for share, opened, result in unwrap_file(path, target, **how):
+        kept = int(result.depth.notnull().sum())
+        valid += kept
+        size += opened.mask.size
+        if opened.depth is not None and kept:
+            tally.add(scored_pixels(result, opened))
+        if ply is not None:
+            points = write_ply(
+                ply,
+                result["depth"].to_numpy(),
+                opened.camera,
+                brightness=opened.amplitude[0],
+                confidence=result["confidence"].to_numpy(),
+            )
+            print(f"{ply}: {points} points")
+        advance(path.name, share)
+    told = {"file": path.name, "valid": f"{valid / size:.1%}"}
+    return told | _rates(tally.score()) if tally.frames else told
+
+
+def evaluate(
+    frames: Annotated[
+        list[str],
+        Argument(
+            help="Files, embedded names, folders (pairs of images, .npz, Hypersim's tests)"
+        ),
+    ],
+    method: Annotated[
+        str, Option(help="Out of `cmtof methods`, with commas, or all.")
+    ] = "all",
+    protocol: Protocol = "released",
+    noise: Noise = 1200.0,
+    noise_free: NoiseFree = False,
+    seed: Seed = 0,
+    json_file: Annotated[
+        File, to_write(".json", "--json", text="Table as JSON.")
+    ] = None,
+    intensity: Intensity = None,
+    depth_scale: DepthScale = None,
+    planar: Planar = False,
+    camera: Camera = None,
+    linear: Linear = False,
+    quiet: Quiet = False,
+) -> None:
+    """Compare methods on the same frames and the same noise.
+
+    Example: [bold]cmtof evaluate still_life room --method crt,beat --json scores.json[/bold]
+    """
+    from cmtof.evaluation import Evaluation
+    from cmtof.files import written_whole
+    from cmtof.frame import Frames
+    from cmtof.methods import names_of
+    from cmtof.scenes import frames_in
+
+    names = names_of(method, protocol)
+    image = {
+        "intensity": intensity,
+        "depth_scale": depth_scale,
+        "planar": planar,
+        "camera": camera,
+        "linear": linear,
+    }
+    sets = [Frames(frames_in(name, **image)) for name in frames]
+    evaluation = Evaluation(
+        names, protocol=protocol, noise=noise, noise_free=noise_free, seed=seed
+    )
+    with progress(sum(len(one.sources) for one in sets) * len(names), quiet) as advance:
+        for one in sets:
+            _add_frames(evaluation, one, advance)
+    if evaluation.frames:
+        report = evaluation.report()
+        if json_file is not None:
+            with written_whole(json_file) as part:
+                part.write_text(json.dumps(report, indent=2) + "\n", encoding="utf-8")
+        _print_report(report)
+    for one in sets:  # each must hold a frame that loads
+        if len(one.skipped) == len(one.sources):
+            raise ValueError(next(iter(one.skipped.values())))
+    _name_missing(evaluation.missing)
+    if evaluation.missing and method != "all":
+        sys.exit(1)
+
+
+def _add_frames(
+    evaluation: "Evaluation", frames: "Frames", advance: Callable[[str], None]
+) -> None:
+    """Run every method on each frame; one that fails is noted, and takes no other with it."""
+    for frame in frames:
+        try:
+            for done in evaluation.add(frame):
+                advance(f"{frame.name}: {done}")
+        except ValueError as error:
+            frames.skipped[frame.name] = str(error)
+    for name, why in frames.skipped.items():
+        evaluation.notes[f"skipped {name}"] = why
+
+
+def _name_missing(missing: Mapping[str, ModuleNotFoundError]) -> None:
+    """Say in one line for each package which methods need it."""
+    users: dict[str, list[str]] = {}
+    for name, error in missing.items():
+        users.setdefault(error_line(error), []).append(name)
+    for line, names in users.items():
+        print(shown(f"cmtof: left out {', '.join(names)}. {line}"), file=sys.stderr)
+
+
+def _print_report(report: dict[str, Any]) -> None:
+    title = (
+        f"{len(report['frames'])} frame(s), protocol {report['protocol']}, "
+        f"σ = {report['noise']:g}, seed {report['seed']}, {report['coverage']:.1%} scored"
+    )
+    rows = []
+    for name, scores in report["methods"].items():
+        seconds = {"s/frame": f"{scores['seconds_per_frame']:.2f}"}
+        rows.append({"method": name} | _rates(scores) | seconds)
+    print_table(title, rows)
+    for name, remark in report["notes"].items():
+        print(shown(f"{name}: {remark}"))
+
+
+def _rates(scores: dict[str, float]) -> dict[str, str]:
+    """Rates and error of a method as they are printed, by their title."""
+    titles = {f"δ<{k}": f"delta_lt_{k}" for k in (1, 2, 3)}
+    titles |= {"δ≥10": "delta_ge_10", "consistent": "consistent_lt_1"}
+    found = {title: f"{scores[key]:.1%}" for title, key in titles.items()}
+    return found | {"median error": f"{1e3 * scores['depth_median_error_m']:.1f} mm"}
+
+
+def methods(
+    as_json: Annotated[bool, Option("--json", help="Print JSON.")] = False,
+) -> None:
+    """List every unwrapping method with its kind, source and state."""
+    from cmtof.methods import DEFAULT, METHODS
+
+    keys = ("kind", "source", "summary", "frequencies", "tones", "knows_truth")
+    rows = [
+        {"name": name, "state": entry.state(), "default": name == DEFAULT}
+        | {key: getattr(entry, key) for key in keys}
+        for name, entry in METHODS.items()
+    ]
+    if as_json:
+        print(json.dumps(rows, indent=2, ensure_ascii=False))
+        return
+    head = ("name", "kind", "state", "summary", "source")
+    print_table("", [{key: row[key] for key in head} for row in rows])
+    print(f"Default: {DEFAULT}. State: of weights for the released protocol.")
+
+
+PICTURES = (".png", ".pdf", ".svg", ".jpg")
+
+
+def replicate(
+    output: Annotated[
+        Path, Option("--output", "-o", help="Where to draw Fig. 10.")
+    ] = Path("build/replicate/fig10_comparison.png"),
+) -> None:
+    """Draw Fig. 10, and check the chain from frame to depth against stored values.
+
+    Methods side by side on the embedded frames, in a few minutes. Ends with 1 if a line says FAIL.
+    """
+    from cmtof_book.replication import replicate as outcomes
+
+    if output.suffix not in PICTURES:
+        raise ValueError(
+            f"Expected a picture named {', '.join(PICTURES)}, got {output.name}. Rename it."
+        )
+    output.parent.mkdir(parents=True, exist_ok=True)
+    failed = 0
+    for outcome in outcomes(output):
+        print(outcome, flush=True)
+        failed += not outcome.passed
+    print(f"{output}: Fig. 10, {'drawn' if output.is_file() else 'needs cmtof[plot]'}")
+    if failed:
+        raise ValueError(
+            f"Expected every line to pass, got {failed} FAIL. Compare versions."
+        )

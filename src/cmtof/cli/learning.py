@@ -1,0 +1,94 @@
+"""Commands for learned methods: rooms to train on, and training."""
+
+from pathlib import Path
+from typing import Annotated
+
+from typer import Argument, Option
+
+from cmtof.cli.options import SEED, File, Quiet, Seed
+from cmtof.terminal import hidden, later, progress
+
+
+def render(
+    output: Annotated[
+        Path, Option("--output", "-o", help="Folder to write the set into.")
+    ],
+    scenes: Annotated[int, Option(min=1, max=100_000, help="How many rooms.")] = 20,
+    views: Annotated[int, Option(min=1, max=1000, help="Views of each.")] = 5,
+    seed: Seed = 0,
+    size: Annotated[str, Option(help="Height x width, px.")] = "512x512",
+    focal: Annotated[
+        float | None, Option(help="Focal length, px. Default: 35 to 60°.")
+    ] = None,
+    workers: Annotated[
+        int | None, Option(min=1, help="Processes. Default: one a core.")
+    ] = None,
+    quiet: Quiet = False,
+) -> None:
+    """Render furnished rooms, in Hypersim's layout.
+
+    The same seed gives the same bytes. A stopped run continues, and a set may
+    grow: ask for more scenes or views in the same folder. Needs the extra [bold]rooms[/bold].
+
+    Example: [bold]cmtof render --scenes 20 --views 5 --seed 1 -o rooms[/bold]
+    """
+    with later():
+        from cmtof_rooms.rendering import Settings, render_rooms, shape_from_text
+
+    settings = Settings(seed, scenes, views, *shape_from_text(size), focal)
+    with progress(scenes, quiet) as advance:
+        done = render_rooms(
+            output, settings, workers=workers, progress=lambda one: advance(one.scene)
+        )
+    rendered = sum(one.rendered for one in done)
+    print(f"{output}: {scenes} rooms, {views} views each; {rendered} views rendered")
+
+
+def train(
+    config: Annotated[str, Argument(help="A recipe by name, or a YAML file.")],
+    output: Annotated[File, Option("--output", "-o", help="Folder of the run.")] = None,
+    model: Annotated[
+        str | None, Option(help="Learned method, such as fast-scnn.")
+    ] = None,
+    protocol: Annotated[str | None, Option(help="released or full.")] = None,
+    data: Annotated[File, Option(help="Hypersim's layout. Default: rooms.")] = None,
+    init: Annotated[File, Option(help="Weights to begin with.")] = None,
+    resume: Annotated[
+        bool, Option("--resume", help="Go on from its checkpoint.")
+    ] = False,
+    minutes: Annotated[
+        float | None, Option(help="Stop after; --resume goes on.")
+    ] = None,
+    seed: Annotated[int | None, SEED] = None,
+    accelerator: Annotated[str, Option(help="Lightning's: auto, cpu, gpu.")] = "auto",
+    devices: Annotated[str, Option(help="How many, or auto.")] = "auto",
+    num_nodes: Annotated[int, Option(min=1, help="Machines.")] = 1,
+    strategy: Annotated[str, Option(help="Lightning's: auto, ddp.")] = "auto",
+    quiet: Quiet = False,
+) -> None:
+    """Train an unwrapping network and write its weights and their card.
+
+    A run that was killed and resumed ends with the same weights. Needs the extras
+    [bold]train[/bold] and [bold]rooms[/bold].
+
+    Example: [bold]cmtof train miniature -o runs/miniature[/bold]
+    """
+    from cmtof.network.recipe import read_config
+    from cmtof.network.training import train as train_network
+
+    chosen = read_config(config, model=model, protocol=protocol, seed=seed)
+    folder = output or Path("runs") / f"{chosen.name}-{chosen.model}-{chosen.protocol}"
+    written = train_network(
+        chosen,
+        folder,
+        quiet=quiet or hidden(),
+        tree=data,
+        init=init,
+        resume=resume,
+        minutes=minutes,
+        accelerator=accelerator,
+        num_nodes=num_nodes,
+        strategy=strategy,
+        devices=int(devices) if devices.isdigit() else devices,
+    )
+    print(written or f"{folder}: stopped before its last step; --resume goes on")

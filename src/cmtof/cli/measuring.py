@@ -1,0 +1,213 @@
+"""Commands that make measurements, and look into files."""
+
+import os
+import sys
+from collections.abc import Callable
+from functools import partial
+from io import StringIO
+from typing import TYPE_CHECKING, Annotated, Any
+
+from typer import Argument, Option
+
+from cmtof.cli.options import (
+    SEED,
+    Camera,
+    DepthScale,
+    File,
+    Intensity,
+    Linear,
+    Noise,
+    NoiseFree,
+    Output,
+    Planar,
+    Protocol,
+    Quiet,
+    Seed,
+)
+from cmtof.terminal import print_table, progress, shown
+
+if TYPE_CHECKING:
+    from cmtof.hardware.rig import Rig
+
+
+def simulate(
+    frame: Annotated[
+        str,
+        Argument(
+            help=".npz, depth .png, Hypersim .hdf5, folder (its first), or embedded."
+        ),
+    ],
+    output: Output,
+    protocol: Protocol = "released",
+    frequencies: Annotated[
+        str,
+        Option(help="Modulation frequencies in Hz, lowest first, separated by commas."),
+    ] = "7.15e9,14.32e9",
+    noise: Noise = 1200.0,
+    noise_free: NoiseFree = False,
+    seed: Seed = 0,
+    intensity: Intensity = None,
+    depth_scale: DepthScale = None,
+    planar: Planar = False,
+    camera: Camera = None,
+    linear: Linear = False,
+) -> None:
+    """Turn an RGB-D frame into correlation images. `cmtof info` lists the embedded ones.
+
+    Example: [bold]cmtof simulate still_life -o m.nc --protocol full --seed 3[/bold]
+    """
+    from cmtof.scenes import load_frame
+    from cmtof.simulation import simulate as simulate_frame
+    from cmtof.validation import checked
+
+    tones = checked(list[float], frequencies.split(","), "--frequencies HZ,HZ")
+    loaded = load_frame(
+        frame,
+        intensity=intensity,
+        depth_scale=depth_scale,
+        planar=planar,
+        camera=camera,
+        linear=linear,
+    )
+    measurement = simulate_frame(
+        loaded,
+        frequencies=tones,
+        protocol=protocol,  # type: ignore[arg-type]
+        noise=noise,
+        noise_free=noise_free,
+        seed=seed,
+    )
+    measurement.save(output)
+    print(f"{output}: {measurement}, {measurement.mask.mean():.1%} of pixels scored")
+    if loaded.note:
+        print(shown(f"{loaded.name}: {loaded.note}"))
+
+
+def scan(
+    output: Annotated[File, Option("--output", "-o", help="Measurement, *.nc.")] = None,
+    rig: Annotated[File, Argument(help="RIG file, *.yml.")] = None,
+    twin: Annotated[bool, Option("--twin", help="Simulate it, by RIG's twin.")] = False,
+    scene: Annotated[str | None, Option(help="Its frame. Default: still_life.")] = None,
+    seed: Annotated[int | None, SEED] = None,
+    size: Annotated[int, Option(min=1, max=4096, help="Height and width, px.")] = 64,
+    resume: Annotated[bool, Option("--resume", help="Go on after a stop.")] = False,
+    check: Annotated[bool, Option("--check", help="Ask all, move nothing.")] = False,
+    log: Annotated[File, Option(help="File of all requests and replies.")] = None,
+    quiet: Quiet = False,
+) -> None:
+    """Scan with the instrument, or with its simulation, into a measurement.
+
+    Every line goes to the disk, into a journal beside the output, until the file is whole. After a
+    stop of any kind, [bold]--resume[/bold] goes on at the first line that is missing.
+
+    Example: [bold]cmtof scan --twin --scene still_life --size 64 --seed 0 -o m.nc[/bold]
+    """
+    from cmtof.hardware.journal import journal_path
+    from cmtof.hardware.plan import planned
+    from cmtof.hardware.rig import Rig
+    from cmtof.hardware.scan import scan as run_scan
+
+    if not twin and rig is None:
+        raise ValueError("Expected either a RIG file or --twin, got neither. Name one.")
+    if not twin and (seed, scene) != (None, None):
+        raise ValueError(
+            "Expected --scene and --seed with --twin, got a RIG file. Leave them out."
+        )
+    plan = planned(Rig.default() if rig is None else Rig.load(rig), size=size)
+    scene = scene or (None if rig else "still_life")
+    bench = _simulated(plan.rig, scene, seed) if twin else _connected(plan.rig, log)
+    if check:
+        _check_up(bench)
+    if output is None:
+        raise ValueError("Expected an output, got none. Add -o m.nc.")
+    try:
+        with progress(len(plan.lines), quiet) as advance:
+            measurement = run_scan(
+                plan,
+                bench,
+                output,
+                resume=resume,
+                report=lambda line: advance(f"{line.mode}: {line.kind}"),
+            )
+    except (KeyboardInterrupt, SystemExit):
+        place = journal_path(output)
+        print(f"cmtof: stopped; {place} goes on with --resume", file=sys.stderr)
+        raise
+    print(f"{output}: {measurement}, {measurement.mask.mean():.1%} of pixels valid")
+
+
+def _simulated(rig: "Rig", scene: str | None, seed: int | None) -> Callable[[], Any]:
+    """Maker of a bench of simulated devices before a scene."""
+    from cmtof_lab.rehearsal import simulated_bench
+
+    return partial(simulated_bench, rig, scene, seed=seed or 0)
+
+
+def _connected(rig: "Rig", log: File) -> Callable[[], Any]:
+    """Maker of a bench of real devices, whose requests and replies go into a file."""
+    from cmtof.hardware.connect import connected_bench
+
+    told = log.open("w", encoding="utf-8") if log else None
+    return partial(connected_bench, rig, told)
+
+
+def _check_up(bench: Callable[[], Any]) -> None:
+    """Print what every device reports, and end with exit code 1 where one is not as expected."""
+    from cmtof.hardware.checkup import states_of
+
+    with bench() as on:
+        states = [{"device": name, "reports": text} for name, text in states_of(on)]
+    print_table("", states)
+    raise SystemExit(any("Expected" in state["reports"] for state in states))
+
+
+def info(
+    file: Annotated[File, Argument(help="Measurement, result or frame.")] = None,
+) -> None:
+    """Print versions and embedded frames, or what a file holds."""
+    from importlib.metadata import version
+    from importlib.util import find_spec
+
+    from cmtof import __version__
+    from cmtof.captures import data_root
+    from cmtof.frame import embedded_frames, listed_npz
+    from cmtof.measurement import open_measurement
+    from cmtof.storage import opened_dataset
+
+    if file is not None:
+        path = embedded_frames().get(str(file), file)
+        if path.suffix == ".npz":
+            lines = [f"{name} {kind}" for name, kind in listed_npz(path).items()]
+            print(shown("\n".join(lines)))
+            return
+        text = StringIO()
+        if path.suffix == ".nc":
+            with opened_dataset(path) as held:
+                held.info(text)
+                if "component_odds" in held:
+                    odds = (
+                        held["component_odds"].sel(offset=slice(-2, 2))[:10].to_pandas()
+                    )
+                    print(
+                        "Odds of the largest components to lie so many wraps farther:"
+                    )
+                    print(odds.round(3))
+        else:
+            open_measurement(path).dataset.info(text)
+        print(shown(text.getvalue()))
+        return
+    print(
+        f"cmtof {__version__}, Python {sys.version.split()[0]}, {os.cpu_count()} processors"
+    )
+    for name, needed in (
+        ("onnxruntime", "learned methods need"),
+        ("torch", "training needs"),
+    ):
+        print(
+            name,
+            version(name)
+            if find_spec(name)
+            else f"is not installed (only {needed} it)",
+        )
+    print(f"embedded frames: {', '.join(embedded_frames())}")
+    print(f"published captures: {data_root() or 'not on this machine'}")

@@ -1,0 +1,114 @@
+"""Layers of which the networks are built."""
+
+import torch
+from torch import Tensor, nn
+from torch.nn import functional
+
+
+class SingleConv2d(nn.Conv2d):
+    """Convolution in single precision, whatever the network's.
+
+    On CPUs PyTorch 2.13's bfloat16 gradient of dilated depthwise kernels reads unset memory.
+    """
+
+    def _conv_forward(
+        self, input: Tensor, weight: Tensor, bias: Tensor | None
+    ) -> Tensor:
+        with torch.autocast(input.device.type, enabled=False):
+            return super()._conv_forward(input.float(), weight.float(), bias)
+
+
+class Normed(nn.Sequential):
+    """Convolution, batch norm, and what follows them.
+
+    A norm that keeps its statistics is a scale and an offset: they go into the kernel and its bias,
+    which spares passes over the image.
+    """
+
+    def forward(self, x: Tensor) -> Tensor:
+        layer, norm, *more = self
+        if norm.training:
+            return super().forward(x)
+        scale, offset = scale_and_offset(norm)
+        x = layer._conv_forward(x, layer.weight * scale.view(-1, 1, 1, 1), offset)
+        for function in more:
+            x = function(x)
+        return x
+
+
+def scale_and_offset(norm: nn.Module) -> tuple[Tensor, Tensor]:
+    """What a batch norm with fixed statistics multiplies each channel with, and adds to it."""
+    scale = norm.weight * torch.rsqrt(norm.running_var + norm.eps)
+    return scale, norm.bias - norm.running_mean * scale
+
+
+def conv(i: int, o: int, kernel=3, stride=1, relu=True, dilation=1, groups=1) -> Normed:
+    """Convolution, batch norm, ReLU."""
+    kind = SingleConv2d if dilation > 1 and groups > 1 else nn.Conv2d
+    margin = dilation * (kernel // 2)
+    layer = kind(i, o, kernel, stride, margin, dilation, groups, bias=False)
+    return Normed(layer, nn.BatchNorm2d(o), *([nn.ReLU(inplace=True)] if relu else []))
+
+
+def separable(i: int, o: int, stride: int = 1) -> nn.Sequential:
+    """Depthwise separable convolution."""
+    return nn.Sequential(conv(i, i, 3, stride, groups=i), conv(i, o, 1))
+
+
+def resized(x: Tensor, like: Tensor) -> Tensor:
+    """Image at the size of another, bilinear, pixel centres at +0.5."""
+    return functional.interpolate(
+        x, size=like.shape[-2:], mode="bilinear", align_corners=False
+    )
+
+
+class Bottleneck(nn.Module):
+    """Inverted residual of MobileNetV2: widen, convolve each channel, narrow, add."""
+
+    def __init__(
+        self, i: int, o: int, stride: int, expansion: int, dilation: int = 1
+    ) -> None:
+        super().__init__()
+        wide = expansion * i
+        self.residual = stride == 1 and i == o
+        middle = conv(wide, wide, 3, stride, groups=wide, dilation=dilation)
+        self.body = nn.Sequential(
+            conv(i, wide, 1), middle, conv(wide, o, 1, relu=False)
+        )
+
+    def forward(self, x: Tensor) -> Tensor:
+        return x + self.body(x) if self.residual else self.body(x)
+
+
+class Residual(nn.Module):
+    """Two convolutions, added to their input (He et al. 2016)."""
+
+    def __init__(self, i: int, o: int, stride: int = 1) -> None:
+        super().__init__()
+        self.body = nn.Sequential(conv(i, o, stride=stride), conv(o, o, relu=False))
+        self.shortcut = nn.Identity() if i == o else conv(i, o, 1, stride, relu=False)
+
+    def forward(self, x: Tensor) -> Tensor:
+        return functional.relu(self.body(x) + self.shortcut(x))
+
+
+def window_mean(side: int) -> nn.Sequential:
+    """Mean over a square window, of what lies in the image: along columns, then along rows."""
+    columns = nn.AvgPool2d((side, 1), 1, (side // 2, 0), count_include_pad=False)
+    rows = nn.AvgPool2d((1, side), 1, (0, side // 2), count_include_pad=False)
+    return nn.Sequential(columns, rows)
+
+
+class Pyramid(nn.Module):
+    """Means over several neighbourhoods beside the features themselves (pyramid pooling)."""
+
+    def __init__(self, width: int, sides: tuple[int, ...]) -> None:
+        super().__init__()
+        branches = (
+            conv(width, width // 4, 1).append(window_mean(side)) for side in sides
+        )
+        self.branches = nn.ModuleList(branches)
+        self.join = conv(width + len(sides) * (width // 4), width, 1)
+
+    def forward(self, x: Tensor) -> Tensor:
+        return self.join(torch.cat([x, *(branch(x) for branch in self.branches)], 1))
