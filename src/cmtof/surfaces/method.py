@@ -23,7 +23,7 @@ from cmtof.measurement import Measurement
 from cmtof.surfaces import contacts, placing
 from cmtof.surfaces.field import Field, field_from_measurement, pixels_of_cells
 from cmtof.surfaces.growing import GAIN, ROUGHEST, fitted, grown_surfaces
-from cmtof.surfaces.roughness import cells_of_surfaces, departure, turned_back
+from cmtof.surfaces.roughness import Cells, cells_of_surfaces, departure, turned_back
 from cmtof.types import Array, Arrays, Flags, Numbers
 
 STEPS = (
@@ -38,33 +38,26 @@ STEPS = (
 REACH = 4  # pixels around a surface that are given to it where nothing explains them
 
 # Confidences, calibrated on views of training rooms, and of votes on scans of things from these.
-CALIBRATION = (
-    (0.0, 0.9, 1.0),
-    (0.0, 0.87, 0.965),
-)  # odds of an offset, and the share right
-FITTING = (
-    (0.4, 0.6, 0.8, 0.95),
-    (0.5, 0.69, 0.82, 1.0),
-)  # S / E about a pixel, and a factor
+# odds of an offset, and the share right
+CALIBRATION = ((0.0, 0.9, 1.0), (0.0, 0.87, 0.965))
+# S / E about a pixel, and a factor
+FITTING = ((0.4, 0.6, 0.8, 0.95), (0.5, 0.69, 0.82, 1.0))
 # px off the nearest surface, and a factor; farther off the beat counts, hardly ever right
 BESIDE = ((1.0, 2.0, REACH, REACH + 0.1), (0.36, 0.2, 0.1, 0.03))
 NARROW = 0.5  # share of the doubt that goes with fewer than 100 wraps to choose from
 # share of the winner of a vote, and how often it was right
 VOTING = ((0.0, 0.65, 0.95, 0.995, 1.0), (0.05, 0.33, 0.42, 0.55, 0.81))
 
-_STEPS, _CELLS = (
-    np.int64(6),
-    np.int64(400),
-)  # of the last fit; cells of a surface it looks at
+_STEPS = np.int64(6)  # of the last fit,
+_CELLS = np.int64(400)  # and cells of a surface that it looks at
 DOUBT = 4.0  # deviation, wraps, of a single pixel's beat up to which it may vote and be voted on
 _RADIUS = 5  # of the neighbourhood of a vote, px; its Gaussian has half of that
+_GAUSS = np.exp(-((np.arange(-_RADIUS, _RADIUS + 1) / (_RADIUS / 2)) ** 2) / 2)
 _KERNEL = 0.25  # distance, wraps, within which two depths mean the same
 _CAP = 4.0  # largest cost of a neighbour that disagrees, as a log-likelihood
 _ASTRAY = 0.3  # distance, rad, of a phase from its surface's beyond which the pixel lies off it
-_SQUARE, _MOST = (
-    5,
-    0.7,
-)  # side, px, of a square and the share of it that has to lie on surfaces
+_SQUARE = 5  # side, px, of a square,
+_MOST = 0.7  # and the share of it that has to lie on surfaces
 _ENOUGH = 3.0  # votes that decide; a pixel alone has one
 _FARTHEST = 8  # wraps from a pixel's own beat up to which neighbours may outvote it
 
@@ -123,64 +116,122 @@ def stages(
     """
     synthetic_frequency(*measurement.frequencies[:2])  # refuses multiples
     field = field_from_measurement(measurement)
+    if measurement.camera is None:
+        without = {"shape", *without}
+    grown = _grown(field, without, measurement.camera is not None)
+    everywhere = grown.label[nearest(grown.label >= 0)]
+    depth = placing.depth_of_labels(field, everywhere, grown.surfaces)
+    cells = cells_of_surfaces(field, grown.inner, depth, len(grown.surfaces))
+    alone = _alone(field, cells, grown, without)
+    touching = contacts.borders(field, grown.label, grown.surfaces)
+    touching = touching._replace(odds=touching.odds * ("ties" not in without))
+    inside = tuple(slice(0, n) for n in measurement.shape)
+    masked = np.where(measurement.mask, grown.label[inside], -1)
+    joined = contacts.tied(
+        alone,
+        touching,
+        _limits(field, depth[inside], masked, len(grown.surfaces)),
+        repeat=1 / abs(field.excess),
+    )
+    odds = np.zeros(depth.shape)
+    if len(grown.surfaces):
+        joined = elect(joined, depth[inside], masked) if elect else joined
+        depth = depth + field.period * joined.wraps[everywhere]
+        depth = _departed(field, depth, np.append(cells.rough, 0)[grown.label])
+        joined = _calibrated(joined)
+        odds = joined.odds[everywhere]
+    reach = np.inf if "fill" in without else REACH
+    _fill(depth[inside], grown.distance[inside] > reach, measurement)
+    elected, votes = voted(field, depth, grown.label >= 0, alone.closure)
+    depth = np.where(votes > 0, elected, depth)
+    masked[votes[inside] > 0] = -1
+    return Stages(
+        field,
+        grown.owner,
+        grown.label,
+        grown.surfaces,
+        alone,
+        touching,
+        joined,
+        depth,
+        _confidence(field, odds, grown, votes),
+        contacts.components(joined, touching, masked),
+    )
+
+
+class Grown(NamedTuple):
+    """Surfaces before any offset is added, and the pixels that lie on them."""
+
+    owner: Numbers  # surface of each cell, -1 for none
+    label: Numbers  # surface of each pixel (H, W), -1 for none
+    share: Array  # S / E about each pixel (H, W)
+    inner: Numbers  # labels without the borders of surfaces
+    surfaces: Array  # parameters and roughness (N, 7)
+    fit: Array  # as `fitted` has it (N, 16)
+    distance: Array  # of each pixel from the nearest that lies on a surface (H, W), px
+
+
+def _grown(field: Field, without: Collection[str], known: bool) -> Grown:
+    """Surfaces grown and cut; with an unknown camera none is rough."""
     gain = np.inf if "bent" in without else GAIN
-    known = (
-        measurement.camera is not None
-    )  # or what a shape lacks would look like roughness
+    # without a camera what a shape lacks would look like roughness
     owner, surfaces = grown_surfaces(field, gain=gain, roughest=ROUGHEST * known)
     label, share = placing.pixel_labels(field, owner, surfaces)
     inner = placing.interiors(label, share)
     main, cut = placing.parted(field, inner, surfaces)
     if "parts" not in without and len(cut) > len(surfaces):
-        old, owner = owner, np.where(main < len(surfaces), owner, main)
-        both = np.isin(
-            owner, [old[owner != old], owner[owner != old]]
-        )  # of what was cut
-        cells = pixels_of_cells(np.where(both, owner, -1))
-        surfaces = fitted(field, cells, cut, (_STEPS, _CELLS), gain)[0]
+        whole = owner
+        owner = np.where(main < len(surfaces), owner, main)
+        cells = pixels_of_cells(_changed(whole, owner))
+        surfaces, _ = fitted(field, cells, cut, (_STEPS, _CELLS), gain)
         label, share = placing.pixel_labels(field, owner, surfaces)
         inner = placing.interiors(label, share)
     surfaces, fit = fitted(field, inner, surfaces, (_STEPS, _CELLS), gain)
-    shape = "shape" not in without and known
-    explained = label >= 0
-    everywhere = label[nearest(explained)]
-    depth = placing.depth_of_labels(field, everywhere, surfaces)
-    cells = cells_of_surfaces(field, inner, depth, len(surfaces))
+    off = label < 0
+    distance = np.where(off.all(), np.inf, distance_transform_edt(off))
+    return Grown(owner, label, share, inner, surfaces, fit, distance)
+
+
+def _alone(
+    field: Field, cells: Cells, grown: Grown, without: Collection[str]
+) -> placing.Offsets:
+    """Offsets of surfaces by their own beat and shape, and by the axes of a room."""
+    shape = "shape" not in without
     beats = placing.pooled_beats(field, cells)
-    alone = placing.offsets(
-        beats, surfaces, fit, shape=shape, closed="closure" in without
+    found = placing.offsets(
+        beats, grown.surfaces, grown.fit, shape=shape, closed="closure" in without
     )
-    if shape and "axes" not in without and len(surfaces):
-        alone = placing.aligned(alone, surfaces, fit, label)
-    touching = contacts.borders(field, label, surfaces)
-    touching = touching._replace(odds=touching.odds * ("ties" not in without))
-    inside = tuple(slice(0, n) for n in measurement.shape)
-    masked = np.where(measurement.mask, label[inside], -1)
-    limits = _limits(field, depth[inside], masked, len(surfaces))
-    joined = contacts.tied(alone, touching, limits, repeat=1 / abs(field.excess))
-    if len(surfaces):
-        joined = elect(joined, depth[inside], masked) if elect else joined
-        depth = depth + field.period * joined.wraps[everywhere]
-        depth = _departed(field, depth, np.append(cells.rough, 0)[label])
+    if shape and "axes" not in without and len(grown.surfaces):
+        found = placing.aligned(found, grown.surfaces, grown.fit, grown.label)
+    return found
+
+
+def _calibrated(joined: contacts.Tied) -> contacts.Tied:
+    """Offsets whose probabilities are how often they were right."""
     believed = np.interp(joined.odds, *CALIBRATION) / joined.odds
-    joined = joined._replace(share=joined.share * believed[:, None])
-    odds = joined.odds[everywhere] if len(surfaces) else np.zeros(label.shape)
-    distance = np.where(explained.any(), distance_transform_edt(~explained), np.inf)
-    lost = ~np.isfinite(depth) | ((distance > REACH) & ("fill" not in without))
+    return joined._replace(share=joined.share * believed[:, None])
+
+
+def _changed(before: Numbers, after: Numbers) -> Numbers:
+    """Owners of cells after a cut, of the surfaces that it changed alone; -1 for others."""
+    cut = before != after
+    return np.where(np.isin(after, [before[cut], after[cut]]), after, -1)
+
+
+def _confidence(field: Field, odds: Array, grown: Grown, votes: Array) -> Array:
+    """Confidence of all pixels, by the odds of their surface or by the vote they won."""
+    near = np.interp(grown.distance, *BESIDE)
+    odds = odds * np.where(grown.label >= 0, np.interp(grown.share, *FITTING), near)
+    narrow = np.ptp(field.limits) < 100 * field.period
+    odds += NARROW * odds * (1 - odds) * narrow
+    return np.where(votes > 0, np.interp(votes, *VOTING), odds)
+
+
+def _fill(depth: Array, far: Flags, measurement: Measurement) -> None:
+    """Give far and unknown pixels the depth of their beat."""
+    lost = far | ~np.isfinite(depth)
     if lost.any():
-        depth[inside] = np.where(lost[inside], beat(measurement).depth, depth[inside])
-    elected, votes = voted(field, depth, explained, alone.closure)
-    depth = np.where(votes > 0, elected, depth)
-    odds *= np.where(
-        explained, np.interp(share, *FITTING), np.interp(distance, *BESIDE)
-    )
-    odds += NARROW * odds * (1 - odds) * (np.ptp(field.limits) < 100 * field.period)
-    odds = np.where(votes > 0, np.interp(votes, *VOTING), odds)
-    masked[votes[inside] > 0] = -1
-    parts = contacts.components(joined, touching, masked)
-    return Stages(
-        field, owner, label, surfaces, alone, touching, joined, depth, odds, parts
-    )
+        depth[lost] = beat(measurement).depth[lost]
 
 
 def _departed(field: Field, depth: Array, rough: Array) -> Array:
@@ -203,45 +254,45 @@ def _limits(field: Field, depth: Array, label: Numbers, count: int) -> Array:
     return limits
 
 
+class Ballot(NamedTuple):
+    """What pixels say of each other, (H, W) each; wraps of the lower frequency."""
+
+    asked: Flags  # whether a pixel is voted on, and votes
+    low: Array  # phase, turns
+    high: Array  # and that of the higher frequency, without the closure
+    sharp: Array  # cost of a beat that misses by a turn
+    place: Array  # depth of pixels that a surface explains, NaN for others
+
+
 def voted(field: Field, depth: Array, explained: Flags, closure: float) -> Arrays:
     """Depth (H, W), m, by votes of and for clear pixels that no surface explains, and their share.
 
     A neighbour costs its distance and its beat's misfit, squared over their variances, up to a cap,
     or where ``explained`` by a surface of that ``depth``, not contradicting it, the first alone.
     """
-    out, share = np.full(depth.shape, np.nan), np.zeros(depth.shape)
-    step = TAU * abs(field.excess)  # of the misfit from wrap to wrap, rad
     doubt = doubt_of_beats(field)
     clear = doubt < DOUBT
     # pixels among those whose phases are not those of their surface vote again
-    fits = explained & (
-        np.abs(np.angle(turned_back(field, depth))).max(axis=0) < _ASTRAY
-    )
-    explained = explained & (
-        ~clear | (uniform_filter(fits.astype(float), _SQUARE) >= _MOST)
-    )
+    astray = np.abs(np.angle(turned_back(field, depth))).max(axis=0)
+    fitting = uniform_filter((explained & (astray < _ASTRAY)).astype(float), _SQUARE)
+    explained = explained & (~clear | (fitting >= _MOST))
     asked = ~explained & clear
-    if asked.any():
-        turns = np.arctan2(field.imaginary, field.real).astype(float) / TAU
-        turns[1] -= field.excess * closure
-        # a quarter of it at least: without noise all other wraps would be ruled out
-        spread = np.maximum(np.where(np.isfinite(doubt), doubt, 1.0), 0.25) * step
-        place = np.where(explained, depth / field.period, np.nan)
-        limits = np.array(field.limits) / field.period
-        near = np.exp(-((np.arange(-_RADIUS, _RADIUS + 1) / (_RADIUS / 2)) ** 2) / 2)
-        images = np.mod(turns[0], 1), turns[1], TAU**2 / (2 * spread**2), place
-        farthest = _FARTHEST * step / TAU
-        _vote(
-            asked,
-            *images,
-            field.ratio,
-            farthest,
-            limits,
-            np.outer(near, near),
-            out,
-            share,
-        )
-    return out * field.period, share
+    if not asked.any():
+        return np.full(depth.shape, np.nan), np.zeros(depth.shape)
+    step = abs(field.excess)  # of the misfit from wrap to wrap, turns
+    low, high = np.arctan2(field.imaginary, field.real).astype(float) / TAU
+    # a quarter of it at least: without noise all other wraps would be ruled out
+    spread = np.maximum(np.where(np.isfinite(doubt), doubt, 1.0), 0.25) * (TAU * step)
+    ballot = Ballot(
+        asked,
+        np.mod(low, 1),
+        high - field.excess * closure,
+        TAU**2 / (2 * spread**2),
+        np.where(explained, depth / field.period, np.nan),
+    )
+    limits = np.array(field.limits) / field.period
+    found, share = _vote(ballot, field.ratio, _FARTHEST * step, limits)
+    return found * field.period, share
 
 
 def doubt_of_beats(field: Field) -> Array:
@@ -254,45 +305,48 @@ def doubt_of_beats(field: Field) -> Array:
 
 
 @njit()
-def _vote(
-    asked, low, high, sharp, place, ratio, far, limits, near, out, share
-):  # pragma: no cover
-    height, width = asked.shape
-    scale = 1 / (2 * _KERNEL**2)
-    votes, depths = np.empty(4 * _FARTHEST), np.empty(4 * _FARTHEST)
-    for y in range(height):
-        for x in range(width):
-            if not asked[y, x]:
-                continue
-            own = low[y, x]
-            first = int(np.ceil(limits[0] - own))
-            last = int(np.ceil(limits[1] - own))
-            count = 0
-            for n in range(first, last):
-                left = high[y, x] - ratio * (own + n)
-                if abs(left - np.rint(left)) > far or count == votes.size:
-                    continue
-                z, told = own + n, 0.0
-                for v in range(max(0, y - _RADIUS), min(height, y + _RADIUS + 1)):
-                    for u in range(max(0, x - _RADIUS), min(width, x + _RADIUS + 1)):
-                        if np.isfinite(place[v, u]):
-                            away = place[v, u] - z
-                            cost = scale * away * away
-                        elif asked[v, u]:
-                            there = low[v, u]
-                            there = there + np.rint(z - there)
-                            away = there - z
-                            left = high[v, u] - ratio * there
-                            left -= np.rint(left)
-                            cost = scale * away * away + sharp[v, u] * left * left
-                        else:
-                            continue
-                        told += near[v - y + _RADIUS, u - x + _RADIUS] * max(
-                            _CAP - cost, 0.0
-                        )
-                votes[count], depths[count] = told, z
+def _vote(ballot, ratio, far, limits):  # pragma: no cover - compiled
+    """Depth (H, W), wraps, that wins the vote on each pixel, NaN where none does, and its share."""
+    out = np.full(ballot.low.shape, np.nan)
+    share = np.zeros(ballot.low.shape)
+    votes = np.empty(4 * _FARTHEST)
+    depths = np.empty(4 * _FARTHEST)
+    for y, x in np.argwhere(ballot.asked):
+        own = ballot.low[y, x]
+        count = 0
+        for n in range(int(np.ceil(limits[0] - own)), int(np.ceil(limits[1] - own))):
+            left = ballot.high[y, x] - ratio * (own + n)
+            if abs(left - np.rint(left)) <= far and count < votes.size:
+                depths[count] = own + n
+                votes[count] = _support(ballot, ratio, y, x, own + n)
                 count += 1
-            best = int(np.argmax(votes[:count])) if count > 0 else 0
-            if count > 0 and votes[best] > _ENOUGH * _CAP:
-                out[y, x] = depths[best]
-                share[y, x] = 1 / np.sum(np.exp(votes[:count] - votes[best]))
+        best = int(np.argmax(votes[:count])) if count > 0 else 0
+        if count > 0 and votes[best] > _ENOUGH * _CAP:
+            out[y, x] = depths[best]
+            share[y, x] = 1 / np.sum(np.exp(votes[:count] - votes[best]))
+    return out, share
+
+
+@njit()
+def _support(ballot, ratio, y, x, z):  # pragma: no cover - compiled
+    """Votes of the neighbours of a pixel for a depth, wraps."""
+    height, width = ballot.low.shape
+    scale = 1 / (2 * _KERNEL**2)
+    total = 0.0
+    for v in range(max(0, y - _RADIUS), min(height, y + _RADIUS + 1)):
+        for u in range(max(0, x - _RADIUS), min(width, x + _RADIUS + 1)):
+            if np.isfinite(ballot.place[v, u]):
+                away = ballot.place[v, u] - z
+                cost = scale * away * away
+            elif ballot.asked[v, u]:
+                there = ballot.low[v, u]
+                there = there + np.rint(z - there)
+                away = there - z
+                left = ballot.high[v, u] - ratio * there
+                left -= np.rint(left)
+                cost = scale * away * away + ballot.sharp[v, u] * left * left
+            else:
+                continue
+            weight = _GAUSS[v - y + _RADIUS] * _GAUSS[u - x + _RADIUS]
+            total += weight * max(_CAP - cost, 0.0)
+    return total
