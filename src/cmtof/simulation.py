@@ -53,17 +53,10 @@ def simulate(
     """
     frequencies = checked_frequencies(frequencies)
     _check_sensor(gain, integration_time, order)
-    try:
-        depth, mask, limits = staged_depth(
-            frame.depth, protocol=protocol, frequencies=frequencies
-        )
-    except ValueError as error:  # a note may tell why
-        raise ValueError(f"{error} {frame.note}".strip()) from None
+    depth, mask, limits = _staged(frame, protocol, frequencies)
     # where no depth is known no light returns
-    intensity = np.where(np.isfinite(depth), np.clip(frame.intensity, 0, 1), 0).astype(
-        np.float32
-    )
-    signal = gain * integration_time * intensity
+    light = np.where(np.isfinite(depth), np.clip(frame.intensity, 0, 1), 0)
+    signal = gain * integration_time * light.astype(np.float32)
     offset = np.broadcast_to(phase_offset, frequencies.shape)
     # an error of the phase is one of the reference phase that the file does not know of
     means = _means(signal, depth, frequencies, np.add(psi, offset[:, None]))
@@ -92,6 +85,16 @@ def simulate(
         gain=gain,
         integration_time_ms=integration_time,
     )
+
+
+def _staged(
+    frame: Frame, protocol: Protocol, frequencies: Array
+) -> tuple[Array, Flags, Pair]:
+    """`staged_depth` of a frame, whose note may tell why there is none."""
+    try:
+        return staged_depth(frame.depth, protocol=protocol, frequencies=frequencies)
+    except ValueError as error:
+        raise ValueError(f"{error} {frame.note}".strip()) from None
 
 
 def _check_sensor(gain: float, integration_time: float, order: str) -> None:

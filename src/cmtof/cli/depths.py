@@ -23,7 +23,7 @@ from cmtof.cli.options import (
     Seed,
     to_write,
 )
-from cmtof.files import check_output
+from cmtof.files import check_output, written_whole
 from cmtof.terminal import error_line, print_table, progress, shown
 
 if TYPE_CHECKING:
@@ -161,7 +161,6 @@ def evaluate(
     Example: [bold]cmtof evaluate still_life room --method crt,beat --json scores.json[/bold]
     """
     from cmtof.evaluation import Evaluation
-    from cmtof.files import written_whole
     from cmtof.frame import Frames
     from cmtof.methods import names_of
     from cmtof.scenes import frames_in
@@ -182,11 +181,7 @@ def evaluate(
         for one in sets:
             _add_frames(evaluation, one, advance)
     if evaluation.frames:
-        report = evaluation.report()
-        if json_file is not None:
-            with written_whole(json_file) as part:
-                part.write_text(json.dumps(report, indent=2) + "\n", encoding="utf-8")
-        _print_report(report)
+        _tell(evaluation.report(), json_file)
     for one in sets:  # each must hold a frame that loads
         if len(one.skipped) == len(one.sources):
             raise ValueError(next(iter(one.skipped.values())))
@@ -218,7 +213,11 @@ def _name_missing(missing: Mapping[str, ModuleNotFoundError]) -> None:
         print(shown(f"cmtof: left out {', '.join(names)}. {line}"), file=sys.stderr)
 
 
-def _print_report(report: dict[str, Any]) -> None:
+def _tell(report: dict[str, Any], json_file: File) -> None:
+    """Write a report as JSON where that is asked for, and print its tables."""
+    if json_file is not None:
+        with written_whole(json_file) as part:
+            part.write_text(json.dumps(report, indent=2) + "\n", encoding="utf-8")
     title = (
         f"{len(report['frames'])} frame(s), protocol {report['protocol']}, "
         f"σ = {report['noise']:g}, seed {report['seed']}, {report['coverage']:.1%} scored"
