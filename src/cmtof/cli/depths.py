@@ -9,20 +9,7 @@ from typing import TYPE_CHECKING, Annotated, Any
 
 from typer import Argument, Option
 
-from cmtof.cli.options import (
-    Camera,
-    DepthScale,
-    File,
-    Intensity,
-    Linear,
-    Noise,
-    NoiseFree,
-    Planar,
-    Protocol,
-    Quiet,
-    Seed,
-    to_write,
-)
+from cmtof.cli.options import File, Quiet, of_frames, to_write
 from cmtof.files import check_output, written_whole
 from cmtof.terminal import error_line, print_table, progress, shown
 
@@ -132,6 +119,7 @@ def _unwrapped(
     return told | _rates(tally.score()) if tally.frames else told
 
 
+@of_frames
 def evaluate(
     frames: Annotated[
         list[str],
@@ -142,19 +130,13 @@ def evaluate(
     method: Annotated[
         str, Option(help="Out of `cmtof methods`, with commas, or all.")
     ] = "all",
-    protocol: Protocol = "released",
-    noise: Noise = 1200.0,
-    noise_free: NoiseFree = False,
-    seed: Seed = 0,
     json_file: Annotated[
         File, to_write(".json", "--json", text="Table as JSON.")
     ] = None,
-    intensity: Intensity = None,
-    depth_scale: DepthScale = None,
-    planar: Planar = False,
-    camera: Camera = None,
-    linear: Linear = False,
     quiet: Quiet = False,
+    *,
+    conditions: dict[str, Any],
+    reading: dict[str, Any],
 ) -> None:
     """Compare methods on the same frames and the same noise.
 
@@ -165,18 +147,9 @@ def evaluate(
     from cmtof.methods import names_of
     from cmtof.scenes import frames_in
 
-    names = names_of(method, protocol)
-    image = {
-        "intensity": intensity,
-        "depth_scale": depth_scale,
-        "planar": planar,
-        "camera": camera,
-        "linear": linear,
-    }
-    sets = [Frames(frames_in(name, **image)) for name in frames]
-    evaluation = Evaluation(
-        names, protocol=protocol, noise=noise, noise_free=noise_free, seed=seed
-    )
+    names = names_of(method, conditions["protocol"])
+    sets = [Frames(frames_in(name, **reading)) for name in frames]
+    evaluation = Evaluation(names, **conditions)
     with progress(sum(len(one.sources) for one in sets) * len(names), quiet) as advance:
         for one in sets:
             _add_frames(evaluation, one, advance)

@@ -9,27 +9,14 @@ from typing import TYPE_CHECKING, Annotated, Any
 
 from typer import Argument, Option
 
-from cmtof.cli.options import (
-    SEED,
-    Camera,
-    DepthScale,
-    File,
-    Intensity,
-    Linear,
-    Noise,
-    NoiseFree,
-    Output,
-    Planar,
-    Protocol,
-    Quiet,
-    Seed,
-)
+from cmtof.cli.options import SEED, File, Output, Quiet, of_frames
 from cmtof.terminal import print_table, progress, shown
 
 if TYPE_CHECKING:
     from cmtof.hardware.rig import Rig
 
 
+@of_frames
 def simulate(
     frame: Annotated[
         str,
@@ -38,19 +25,13 @@ def simulate(
         ),
     ],
     output: Output,
-    protocol: Protocol = "released",
     frequencies: Annotated[
         str,
         Option(help="Modulation frequencies in Hz, lowest first, separated by commas."),
     ] = "7.15e9,14.32e9",
-    noise: Noise = 1200.0,
-    noise_free: NoiseFree = False,
-    seed: Seed = 0,
-    intensity: Intensity = None,
-    depth_scale: DepthScale = None,
-    planar: Planar = False,
-    camera: Camera = None,
-    linear: Linear = False,
+    *,
+    conditions: dict[str, Any],
+    reading: dict[str, Any],
 ) -> None:
     """Turn an RGB-D frame into correlation images. `cmtof info` lists the embedded ones.
 
@@ -61,22 +42,8 @@ def simulate(
     from cmtof.validation import checked
 
     tones = checked(list[float], frequencies.split(","), "--frequencies HZ,HZ")
-    loaded = load_frame(
-        frame,
-        intensity=intensity,
-        depth_scale=depth_scale,
-        planar=planar,
-        camera=camera,
-        linear=linear,
-    )
-    measurement = simulate_frame(
-        loaded,
-        frequencies=tones,
-        protocol=protocol,  # type: ignore[arg-type]
-        noise=noise,
-        noise_free=noise_free,
-        seed=seed,
-    )
+    loaded = load_frame(frame, **reading)
+    measurement = simulate_frame(loaded, frequencies=tones, **conditions)
     measurement.save(output)
     print(f"{output}: {measurement}, {measurement.mask.mean():.1%} of pixels scored")
     if loaded.note:

@@ -1,5 +1,8 @@
 """Options that several commands have."""
 
+from collections.abc import Callable
+from functools import wraps
+from inspect import signature
 from pathlib import Path
 from typing import Annotated, Any
 
@@ -26,26 +29,65 @@ Output = Annotated[
     Path,
     to_write(".nc", "--output", "-o", text="File to write, [bold]*.nc[/bold]."),
 ]
-Protocol = Annotated[
-    str,
-    Option(
-        help="released: scene shrunk to 1.195 m, 21 wraps; full: all of the 7.5 m range."
-    ),
-]
-Noise = Annotated[float, Option(help="Gaussian noise, counts; photon noise stays on.")]
-NoiseFree = Annotated[bool, Option("--noise-free", help="No noise of either kind.")]
 SEED = Option(min=0, max=2**63 - 1, help="Seed of the random numbers.")
 Seed = Annotated[int, SEED]
-Intensity = Annotated[File, Option(help="Image of the light of a depth image.")]
-DepthScale = Annotated[
-    float | None,
-    Option(help="Depth image: levels per metre. Default: 1000, of TUM 5000."),
-]
-Planar = Annotated[bool, Option("--planar", help="Depth image is along the axis.")]
-Camera = Annotated[
-    tuple[float, float, float, float] | None, Option(help="fx fy cx cy in pixels.")
-]
-Linear = Annotated[
-    bool, Option("--linear", help="Light of a depth image is linear, no sRGB.")
-]
 Quiet = Annotated[bool, Option("--quiet", "-q", help="No progress bar.")]
+
+
+def conditions(
+    protocol: Annotated[
+        str,
+        Option(
+            help="released: scene shrunk to 1.195 m, 21 wraps; "
+            "full: all of the 7.5 m range."
+        ),
+    ] = "released",
+    noise: Annotated[
+        float, Option(help="Gaussian noise, counts; photon noise stays on.")
+    ] = 1200.0,
+    noise_free: Annotated[
+        bool, Option("--noise-free", help="No noise of either kind.")
+    ] = False,
+    seed: Seed = 0,
+) -> None:
+    """Options of a simulation."""
+
+
+def reading(
+    intensity: Annotated[
+        File, Option(help="Image of the light of a depth image.")
+    ] = None,
+    depth_scale: Annotated[
+        float | None,
+        Option(help="Depth image: levels per metre. Default: 1000, of TUM 5000."),
+    ] = None,
+    planar: Annotated[
+        bool, Option("--planar", help="Depth image is along the axis.")
+    ] = False,
+    camera: Annotated[
+        tuple[float, float, float, float] | None, Option(help="fx fy cx cy in pixels.")
+    ] = None,
+    linear: Annotated[
+        bool, Option("--linear", help="Light of a depth image is linear, no sRGB.")
+    ] = False,
+) -> None:
+    """Options of image files."""
+
+
+def of_frames(command: Callable[..., None]) -> Callable[..., None]:
+    """Give a command `conditions` and `reading`: dicts of options that are their parameters."""
+    groups = {one.__name__: signature(one).parameters for one in (conditions, reading)}
+
+    @wraps(command)
+    def run(**given: Any) -> None:
+        sorted_out = {
+            group: {name: given.pop(name) for name in names}
+            for group, names in groups.items()
+        }
+        command(**given, **sorted_out)
+
+    own = signature(command)
+    named = [one for name, one in own.parameters.items() if name not in groups]
+    shared = [one for names in groups.values() for one in names.values()]
+    vars(run)["__signature__"] = own.replace(parameters=[*named, *shared])
+    return run
