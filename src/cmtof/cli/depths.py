@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Annotated, Any
 
 from typer import Argument, Option
 
-from cmtof.cli.options import File, Quiet, of_frames, to_write
+from cmtof.cli.options import File, Quiet, conditions, grouped, reading, to_write
 from cmtof.files import check_output, written_whole
 from cmtof.terminal import error_line, print_table, progress, shown
 
@@ -18,13 +18,7 @@ if TYPE_CHECKING:
     from cmtof.frame import Frames
 
 
-def unwrap(
-    measurement: Annotated[
-        list[Path], Argument(help="Measurements .nc, .npz or *_phase.csv.")
-    ],
-    output: Annotated[
-        Path, Option("--output", "-o", help="File, *.nc; a folder for several.")
-    ],
+def choice(
     method: Annotated[str, Option(help="Name out of `cmtof methods`.")] = "surfaces",
     range: Annotated[
         tuple[float, float] | None,
@@ -33,11 +27,25 @@ def unwrap(
     min_confidence: Annotated[float, Option(help="Mask pixels below, 0 to 1.")] = 0.0,
     window: Annotated[int | None, Option(help="Side of window, px (beat).")] = None,
     weights: Annotated[File, Option(help="Own .safetensors (learned methods).")] = None,
+    tile: Annotated[int, Option(min=0, help="Side of tiles, px, of a large .nc.")] = 0,
+) -> None:
+    """Options of an unwrapping."""
+
+
+@grouped(choice)
+def unwrap(
+    measurement: Annotated[
+        list[Path], Argument(help="Measurements .nc, .npz or *_phase.csv.")
+    ],
+    output: Annotated[
+        Path, Option("--output", "-o", help="File, *.nc; a folder for several.")
+    ],
     ply: Annotated[
         File, to_write(".ply", "--ply", text="Point cloud (camera).")
     ] = None,
-    tile: Annotated[int, Option(min=0, help="Side of tiles, px, of a large .nc.")] = 0,
     quiet: Quiet = False,
+    *,
+    choice: dict[str, Any],
 ) -> None:
     """Turn correlation images into wrap count, depth and confidence.
 
@@ -50,20 +58,12 @@ def unwrap(
         [output / f"{path.stem}.nc" for path in measurement] if several else [output]
     )
     _check_distinct([*measurement, *targets, *([ply] if ply else [])])
-    one = not (tile or several)
+    one = not (choice["tile"] or several)
     if ply is not None and not one:
         raise ValueError(
             "Expected one file, seen at once, for --ply, got more. Leave --ply out."
         )
-    given = {
-        "method": method,
-        "range": range,
-        "min_confidence": min_confidence,
-        "window": window,
-        "weights": weights,
-        "tile": tile,
-    }
-    how = {name: value for name, value in given.items() if value is not None}
+    how = {name: value for name, value in choice.items() if value is not None}
     if several:
         output.mkdir(exist_ok=True)
     for target in targets:
@@ -71,7 +71,7 @@ def unwrap(
     with progress(len(targets), quiet or one) as advance:
         pairs = zip(measurement, targets, strict=True)
         rows = [_unwrapped(*pair, ply, how, advance) for pair in pairs]
-    print_table(f"method {method}, into {output}", rows)
+    print_table(f"method {how['method']}, into {output}", rows)
 
 
 def _check_distinct(paths: list[Path]) -> None:
@@ -119,7 +119,7 @@ def _unwrapped(
     return told | _rates(tally.score()) if tally.frames else told
 
 
-@of_frames
+@grouped(conditions, reading)
 def evaluate(
     frames: Annotated[
         list[str],

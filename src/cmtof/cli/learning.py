@@ -1,11 +1,11 @@
 """Commands for learned methods: rooms to train on, and training."""
 
 from pathlib import Path
-from typing import Annotated
+from typing import Annotated, Any
 
 from typer import Argument, Option
 
-from cmtof.cli.options import SEED, File, Quiet, Seed
+from cmtof.cli.options import SEED, File, Quiet, Seed, grouped
 from cmtof.terminal import hidden, later, progress
 
 
@@ -44,14 +44,17 @@ def render(
     print(f"{output}: {scenes} rooms, {views} views each; {rendered} views rendered")
 
 
-def train(
-    config: Annotated[str, Argument(help="A recipe by name, or a YAML file.")],
-    output: Annotated[File, Option("--output", "-o", help="Folder of the run.")] = None,
+def recipe(
     model: Annotated[
         str | None, Option(help="Learned method, such as fast-scnn.")
     ] = None,
     protocol: Annotated[str | None, Option(help="released or full.")] = None,
-    data: Annotated[File, Option(help="Hypersim's layout. Default: rooms.")] = None,
+    seed: Annotated[int | None, SEED] = None,
+) -> None:
+    """Options that change a recipe."""
+
+
+def leg(
     init: Annotated[File, Option(help="Weights to begin with.")] = None,
     resume: Annotated[
         bool, Option("--resume", help="Go on from its checkpoint.")
@@ -59,12 +62,23 @@ def train(
     minutes: Annotated[
         float | None, Option(help="Stop after; --resume goes on.")
     ] = None,
-    seed: Annotated[int | None, SEED] = None,
     accelerator: Annotated[str, Option(help="Lightning's: auto, cpu, gpu.")] = "auto",
-    devices: Annotated[str, Option(help="How many, or auto.")] = "auto",
     num_nodes: Annotated[int, Option(min=1, help="Machines.")] = 1,
     strategy: Annotated[str, Option(help="Lightning's: auto, ddp.")] = "auto",
+) -> None:
+    """Options of a run that leave its outcome alone."""
+
+
+@grouped(recipe, leg)
+def train(
+    config: Annotated[str, Argument(help="A recipe by name, or a YAML file.")],
+    output: Annotated[File, Option("--output", "-o", help="Folder of the run.")] = None,
+    data: Annotated[File, Option(help="Hypersim's layout. Default: rooms.")] = None,
+    devices: Annotated[str, Option(help="How many, or auto.")] = "auto",
     quiet: Quiet = False,
+    *,
+    recipe: dict[str, Any],
+    leg: dict[str, Any],
 ) -> None:
     """Train an unwrapping network and write its weights and their card.
 
@@ -76,19 +90,14 @@ def train(
     from cmtof.network.recipe import read_config
     from cmtof.network.training import train as train_network
 
-    chosen = read_config(config, model=model, protocol=protocol, seed=seed)
+    chosen = read_config(config, **recipe)
     folder = output or Path("runs") / f"{chosen.name}-{chosen.model}-{chosen.protocol}"
     written = train_network(
         chosen,
         folder,
         quiet=quiet or hidden(),
         tree=data,
-        init=init,
-        resume=resume,
-        minutes=minutes,
-        accelerator=accelerator,
-        num_nodes=num_nodes,
-        strategy=strategy,
         devices=int(devices) if devices.isdigit() else devices,
+        **leg,
     )
     print(written or f"{folder}: stopped before its last step; --resume goes on")

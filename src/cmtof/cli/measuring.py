@@ -9,14 +9,14 @@ from typing import TYPE_CHECKING, Annotated, Any
 
 from typer import Argument, Option
 
-from cmtof.cli.options import SEED, File, Output, Quiet, of_frames
+from cmtof.cli.options import SEED, File, Output, Quiet, conditions, grouped, reading
 from cmtof.terminal import print_table, progress, shown
 
 if TYPE_CHECKING:
     from cmtof.hardware.rig import Rig
 
 
-@of_frames
+@grouped(conditions, reading)
 def simulate(
     frame: Annotated[
         str,
@@ -137,15 +137,15 @@ def info(
 
     from cmtof import __version__
     from cmtof.captures import data_root
-    from cmtof.frame import embedded_frames, listed_npz
+    from cmtof.frame import embedded_frames, read_npz
     from cmtof.measurement import open_measurement
     from cmtof.storage import opened_dataset
 
     if file is not None:
         path = embedded_frames().get(str(file), file)
         if path.suffix == ".npz":
-            lines = [f"{name} {kind}" for name, kind in listed_npz(path).items()]
-            print(shown("\n".join(lines)))
+            for name, array in read_npz(path).items():
+                print(shown(f"{name} {array.shape} {array.dtype}"))
             return
         text = StringIO()
         if path.suffix == ".nc":

@@ -74,20 +74,21 @@ def reading(
     """Options of image files."""
 
 
-def of_frames(command: Callable[..., None]) -> Callable[..., None]:
-    """Give a command `conditions` and `reading`: dicts of options that are their parameters."""
-    groups = {one.__name__: signature(one).parameters for one in (conditions, reading)}
+def grouped(*groups: Callable[..., None]) -> Callable[[Callable], Callable]:
+    """Give a command the parameters of functions as options; it gets a dict for each function."""
+    options = {group.__name__: signature(group).parameters for group in groups}
 
-    @wraps(command)
-    def run(**given: Any) -> None:
-        sorted_out = {
-            group: {name: given.pop(name) for name in names}
-            for group, names in groups.items()
-        }
-        command(**given, **sorted_out)
+    def decorated(command: Callable[..., None]) -> Callable[..., None]:
+        @wraps(command)
+        def run(**given: Any) -> None:
+            for group, names in options.items():
+                given[group] = {name: given.pop(name) for name in names}
+            command(**given)
 
-    own = signature(command)
-    named = [one for name, one in own.parameters.items() if name not in groups]
-    shared = [one for names in groups.values() for one in names.values()]
-    vars(run)["__signature__"] = own.replace(parameters=[*named, *shared])
-    return run
+        own = signature(command)
+        plain = [one for name, one in own.parameters.items() if name not in options]
+        shared = [one for names in options.values() for one in names.values()]
+        vars(run)["__signature__"] = own.replace(parameters=[*plain, *shared])
+        return run
+
+    return decorated
