@@ -34,17 +34,6 @@ def test_contrast_of_two_sinusoids_is_half_the_product_of_theirs():
     assert co.correlation_contrast(wave, wave) == approx(0.5 * 0.5 / 2, rel=1e-12)
 
 
-def test_heterodyne_damping_equals_the_time_average_over_the_exposure():
-    p = SINGLE.harmonics(5)
-    cycles = 0.3
-    t = (np.arange(20000) + 0.5) / 20000 - 0.5
-    slow = co.correlation_from_harmonics(
-        p, p, phase=0.4, psi=1.0, beat_phase=TAU * cycles * t
-    )
-    damped = co.correlation_from_harmonics(p, p, phase=0.4, psi=1.0, beat_cycles=cycles)
-    assert damped == approx(slow.mean(), abs=1e-9)
-
-
 @given(
     st.lists(st.integers(0, 62), min_size=3, max_size=9, unique=True),
     angles,

@@ -73,8 +73,6 @@ def simulated_phase_noise(
     intensity: ArrayLike,
     *,
     sigma: float = NOISE_SIGMA,
-    steps: int = 4,
-    time: float = INTEGRATION_TIME,
 ) -> Array:
     """`linear_phase_noise`, rad, of a pixel that `cmtof.simulation.simulate` measures (Eq. 8).
 
@@ -83,8 +81,8 @@ def simulated_phase_noise(
     >>> round(float(simulated_phase_noise(1.0)), 3)
     0.134
     """
-    signal = GAIN * time * np.asarray(intensity, float)
-    return linear_phase_noise(signal / np.pi, signal / 2 + sigma**2, steps)
+    signal = GAIN * INTEGRATION_TIME * np.asarray(intensity, float)
+    return linear_phase_noise(signal / np.pi, signal / 2 + sigma**2, 4)
 
 
 def phase_density(error: ArrayLike, linear_noise: float) -> Array:

@@ -25,19 +25,14 @@ def correlation_from_harmonics(
     *,
     phase: ArrayLike,
     psi: ArrayLike,
-    beat_phase: ArrayLike = 0.0,
-    beat_cycles: float = 0.0,
 ) -> Array:
     r"""Correlate two periodic waveforms given by their Fourier coefficients (Eq. 1-4, Sec. 3).
 
     .. math:: C = \frac{1}{T}\int \tilde p(t-\tau)\, r(t)\,dt
-              = P_0 R_0 + 2\,\mathrm{Re}\sum_{k\ge1} P_k R_k^*\, e^{-ik(\phi+\psi+\beta)}
-                \,\mathrm{sinc}(k b)
+              = P_0 R_0 + 2\,\mathrm{Re}\sum_{k\ge1} P_k R_k^*\, e^{-ik(\phi+\psi)}
 
     Coefficients (K + 1,) of p and r are complex, ``w = W_0 + 2 Re sum_k W_k exp(i k theta)``; the
-    phase of the round trip and psi, rad, broadcast. Heterodyne only: ``beat_phase`` is
-    ``2 pi (f_r - f_p) t`` in the middle of the exposure, rad, ``beat_cycles`` b the beat periods
-    within one exposure.
+    phase of the round trip and psi, rad, broadcast.
 
     The paper's sinusoids, p = cos + 1 and r = cos + 1/2, give cos(phi + psi) / 2 + 1/2:
 
@@ -47,12 +42,10 @@ def correlation_from_harmonics(
     p = np.asarray(emitted, complex)
     r = np.asarray(reference, complex)
     count = min(p.size, r.size)
-    angle = np.asarray(phase) + np.asarray(psi) + np.asarray(beat_phase)
+    angle = np.asarray(phase) + np.asarray(psi)
     total = np.full(np.shape(angle), (p[0] * r[0]).real)
     for k in range(1, count):
-        total = total + 2 * np.sinc(k * beat_cycles) * np.real(
-            p[k] * np.conj(r[k]) * np.exp(-1j * k * angle)
-        )
+        total = total + 2 * np.real(p[k] * np.conj(r[k]) * np.exp(-1j * k * angle))
     return total
 
 

@@ -23,12 +23,11 @@ def poisson_gaussian(
     *,
     rng: Generator,
     sigma: float,
-    mu: float = 0.0,
     order: NoiseOrder = "paper",
 ) -> Array:
     """Counts with photon and Gaussian noise from their expectation (Eq. 8, Sec. 5.3).
 
-    ``sigma`` and ``mu`` are those of the Gaussian noise, counts; float32 means stay float32. Order
+    ``sigma`` is that of the Gaussian noise, counts; float32 means stay float32. Order
     ``"paper"`` adds it to Poisson counts, as Eq. 8 is written; results may be negative. Order
     ``"released"`` does as the authors' released code: Gaussian noise first, clipped at zero, then
     Poisson counts of that. Raises a ValueError for negative or non-finite means or sigma.
@@ -43,8 +42,6 @@ def poisson_gaussian(
     _check_counts(mean, sigma)
     gaussian = rng.standard_normal(mean.shape, dtype=mean.dtype.type)
     gaussian *= mean.dtype.type(sigma)
-    if mu:
-        gaussian += mean.dtype.type(mu)
     if order == "released":
         gaussian += mean
         return rng.poisson(np.maximum(gaussian, 0)).astype(mean.dtype)

@@ -116,14 +116,12 @@ def embedded_frames() -> dict[str, Path]:
     return {path.stem: path for path in sorted(EMBEDDED.glob("*.npz"))}
 
 
-def held_out_frames(path: Path = HELD_OUT) -> list[Frame]:
+def held_out_frames() -> list[Frame]:
     """The test set of Tables 1 to 3: 32 views of 384 x 512 px, chosen by `cmtof_book.frames`."""
-    arrays = read_npz(
-        path
-    )  # second differences of depth along rows, first ones of √I in bytes
-    steps = (
-        arrays["depth"].cumsum(axis=2, dtype=np.int32).cumsum(axis=2, dtype=np.int32)
-    )
+    # second differences of depth along rows, first ones of √I in bytes
+    arrays = read_npz(HELD_OUT)
+    slopes = arrays["depth"].cumsum(axis=2, dtype=np.int32)
+    steps = slopes.cumsum(axis=2, dtype=np.int32)
     levels = arrays["intensity"].cumsum(axis=2, dtype=np.uint8)
     light = (levels / np.float32(255)) ** 2
     views = zip(

@@ -20,7 +20,7 @@ from numpy.typing import ArrayLike
 from scipy.special import jv
 
 from cmtof import constants, jones
-from cmtof.types import Array
+from cmtof.types import Array, Numbers
 from cmtof.waveform import Harmonics, harmonics_from_waveform
 
 # Drive amplitude, rad, at which the single mode has the paper's 50 % contrast, sin(2 eta).
@@ -175,10 +175,10 @@ class TwoPassModulator:
         w = self._period(4096)  # holds the crests of the ideal modes exactly
         return float((w.max() - w.min()) / (w.max() + w.min()))
 
-    def modulation_depth(self, order: int = 1) -> float:
-        """Amplitude of harmonic ``order`` of the drive over the mean, 2 |W_k| / W_0."""
-        w = self.harmonics(order)
-        return float(2 * abs(w[order]) / w[0].real)
+    def modulation_depth(self) -> float:
+        """Amplitude of the drive's first harmonic over the mean, 2 |W_1| / W_0."""
+        mean, first = self.harmonics(1)
+        return float(2 * abs(first) / mean.real)
 
     def throughput(self) -> float:
         """Mean transmitted fraction W_0."""
@@ -206,8 +206,7 @@ def single_mode_harmonics(eta: ArrayLike, count: int) -> Harmonics:
     ``I = 1/2 - sum_{k odd} J_k(2 eta) sin(k theta)``, hence W_0 = 1/2, W_k = i J_k(2 eta)/2 for odd
     k and 0 for even. ``eta`` (...) is the drive amplitude of one pass, rad.
     """
-    k = np.arange(count + 1)
-    bessel = jv(k, 2 * np.expand_dims(eta, -1))
+    k, bessel = _bessel(eta, count)
     return np.where(k % 2 == 1, 0.5j * bessel, 0) + np.where(k == 0, 0.5, 0)
 
 
@@ -217,6 +216,11 @@ def doubled_mode_harmonics(eta: ArrayLike, count: int) -> Harmonics:
     ``I = (1 - J_0(2 eta))/2 - sum_{k even >= 2} J_k(2 eta) cos(k theta)``, hence W_0 = (1 - J_0)/2,
     W_k = -J_k/2 for even k and 0 for odd; ``[..., ::2]`` are the harmonics of twice the drive.
     """
-    k = np.arange(count + 1)
-    bessel = jv(k, 2 * np.expand_dims(eta, -1))
+    k, bessel = _bessel(eta, count)
     return np.where(k % 2 == 0, -0.5 * bessel, 0) + np.where(k == 0, 0.5, 0j)
+
+
+def _bessel(eta: ArrayLike, count: int) -> tuple[Numbers, Array]:
+    """Orders k up to ``count``, and J_k(2 eta) (..., count + 1)."""
+    k = np.arange(count + 1)
+    return k, jv(k, 2 * np.expand_dims(eta, -1))

@@ -25,14 +25,13 @@ def ratio_interval(
     part: ArrayLike,
     whole: ArrayLike,
     *,
-    level: float = 0.95,
     draws: int = 2000,
     seed: int = 0,
 ) -> Interval:
-    """Interval of a ratio of sums over frames, by percentiles over redrawn sets of frames.
+    """95 % interval of a ratio of sums over frames, by percentiles over redrawn sets of frames.
 
     ``part`` and ``whole`` (..., F) are numerator and denominator of each frame, such as pixels
-    right and scored; ``level`` is the share of the drawn sets inside. With under ten frames or so
+    right and scored. With under ten frames or so
     intervals are too narrow; with one they are NaN. A difference of two rates is
     ``ratio_interval(part - other, whole)``; it is known better than its two rates, as frames are
     hard for both.
@@ -61,7 +60,6 @@ def ratio_interval(
         paired=True,
         vectorized=True,
         method="percentile",
-        confidence_level=level,
         n_resamples=draws,
         batch=200,
         rng=np.random.default_rng(seed),

@@ -13,10 +13,10 @@ def middle(measurement: Measurement) -> Estimate:
     return Estimate(depth, np.full(measurement.shape, guess(measurement)))
 
 
-def uniform(measurement: Measurement, *, seed: int = 0) -> Estimate:
-    """A random depth in range, all equally likely; drawn from (seed, frame number)."""
+def uniform(measurement: Measurement) -> Estimate:
+    """A random depth in range, all equally likely; drawn from the frame's number."""
     frame = int(measurement.dataset.attrs.get("frame_number", 0))
-    rng = np.random.default_rng([seed, frame])
+    rng = np.random.default_rng([0, frame])
     depth = rng.uniform(*measurement.range, measurement.shape)
     return Estimate(depth, np.full(measurement.shape, guess(measurement)))
 

@@ -95,9 +95,9 @@ def plate(bench: Bench, module: str, angles: Sequence[float]) -> Pair:
     return -float(np.rad2deg(centred(fit.phase))) / 8, float(ratio)
 
 
-def cyclic_error(bench: Bench, offsets: ArrayLike, *, mode: str = "single") -> Array:
+def cyclic_error(bench: Bench, offsets: ArrayLike) -> Array:
     """Amplitudes, m, of errors with 1, 2 and more periods over offsets (N,), m, of whole wraps."""
-    seen = sweep(bench, "reference", offsets, mode=mode)
+    seen = sweep(bench, "reference", offsets)
     error = sweep_errors(
         seen, bench.rig.reference_distance, visits=seen.sizes["position"]
     )

@@ -2,6 +2,7 @@
 
 import warnings
 from collections.abc import Sequence
+from dataclasses import dataclass
 from pathlib import Path
 from typing import Any, NamedTuple
 
@@ -260,19 +261,17 @@ def room_crop(rng: np.random.Generator, pack: Pack, side: int, protocol: str) ->
     return depth, np.clip(light * np.exp(rng.uniform(-0.4, 0.4)), 0, 1)
 
 
+@dataclass
 class Steps(Dataset[Batch]):
     """Batches by the number of their step, of process ``rank`` out of ``world``.
 
     Crop k of step s is decided by (seed, s, k) alone, also after a kill or among processes.
     """
 
-    def __init__(
-        self, config: Config, pack: Pack | None, rank: int = 0, world: int = 1
-    ) -> None:
-        self.config = config
-        self.pack = pack
-        self.rank = rank
-        self.world = world
+    config: Config
+    pack: Pack | None
+    rank: int = 0
+    world: int = 1
 
     def __getitem__(self, step: int) -> Batch:
         stage, share = self.config.stage_at(step)
