@@ -47,13 +47,6 @@ def test_beam_splitter_has_the_extinction_ratios_asked_for(transmitted, reflecte
     assert aside[1, 1] / aside[0, 0] == approx(reflected, rel=1e-6)
 
 
-@given(angle, angle)
-def test_a_turned_beam_splitter_obeys_malus(axis, tilt):
-    turned = jones.polarising_beam_splitter("transmitted", angle_error=axis)
-    out = jones.apply(turned, jones.linear_polarisation(tilt))
-    assert jones.intensity(out) == approx(np.cos(axis - tilt) ** 2, abs=1e-14)
-
-
 def test_parameters_broadcast_against_each_other():
     drive = np.zeros((4, 1, 3))
     axis = np.zeros((5, 1))

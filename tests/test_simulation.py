@@ -79,7 +79,6 @@ def test_masked_pixels_keep_their_signal_and_unknown_ones_are_dark():
         ({"order": "papr"}, "order 'paper' or 'released', got 'papr'"),
         ({"frequencies": (0.0, 7e9)}, "rising order"),
         ({"noise": -1.0}, "sigma >= 0"),
-        ({"gain": -1.0}, "gain and integration_time >= 0"),
         ({"psi": [0.0, 1.0]}, "at least 3"),
     ],
 )

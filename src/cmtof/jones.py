@@ -23,17 +23,10 @@ JonesVector = NDArray[np.complex128]
 Port = Literal["transmitted", "reflected"]
 
 
-def jones_vector(horizontal: ArrayLike, vertical: ArrayLike) -> JonesVector:
-    """Jones vector (..., 2) of two broadcast complex amplitudes, square root of intensity."""
-    pair = np.broadcast_arrays(
-        np.asarray(horizontal, np.complex128), np.asarray(vertical, np.complex128)
-    )
-    return np.stack(pair, axis=-1)
-
-
 def linear_polarisation(angle: ArrayLike = 0.0) -> JonesVector:
     """Unit vector (..., 2) polarised along ``angle``, rad: 0 horizontal, pi/2 vertical (Eq. 11)."""
-    return jones_vector(np.cos(angle), np.sin(angle))
+    pair = np.stack([np.cos(angle), np.sin(angle)], axis=-1)
+    return pair.astype(np.complex128)
 
 
 def intensity(field: ArrayLike) -> Array:
@@ -48,14 +41,10 @@ def _matrix(hh: NDArray, hv: NDArray, vh: NDArray, vv: NDArray) -> JonesMatrix:
     return entries.reshape(*entries.shape[:-1], 2, 2)
 
 
-def _diattenuator(along: ArrayLike, across: ArrayLike, angle: ArrayLike) -> JonesMatrix:
-    """Element of real amplitude transmissions along and across its axis at ``angle``."""
-    mean = np.add(along, across) / 2
-    half = np.subtract(along, across) / 2
-    double = np.multiply(2, angle)
-    c = half * np.cos(double)
-    s = half * np.sin(double)
-    return _matrix(mean + c, s, s, mean - c)
+def _diattenuator(along: Array, across: Array) -> JonesMatrix:
+    """Element of real amplitude transmissions along the horizontal and across it."""
+    none = np.zeros_like(along)
+    return _matrix(along, none, none, across)
 
 
 def retarder(retardance: ArrayLike, angle: ArrayLike = 0.0) -> JonesMatrix:
@@ -118,7 +107,7 @@ def mirror(reflectance: ArrayLike = 1.0) -> JonesMatrix:
         raise ValueError(
             f"Expected a reflectance from 0 to 1, got {reflectance}. Give a fraction."
         )
-    return _diattenuator(np.sqrt(r), -np.sqrt(r), 0.0)
+    return _diattenuator(np.sqrt(r), -np.sqrt(r))
 
 
 def _leakage(extinction_ratio: ArrayLike, name: str) -> Array:
@@ -136,7 +125,6 @@ def polarising_beam_splitter(
     *,
     transmitted_extinction: ArrayLike = np.inf,
     reflected_extinction: ArrayLike = np.inf,
-    angle_error: ArrayLike = 0.0,
 ) -> JonesMatrix:
     """Polarising beam splitter, from the input to one of its two ports.
 
@@ -145,8 +133,7 @@ def polarising_beam_splitter(
     port, T_h = (1 - b)/(1 - ab), T_v = a T_h, and the rest is reflected.
 
     Cubes reach extinction ratios of 1000 and more in transmission, but only 20 to 100 in
-    reflection; ``angle_error`` turns the cube about the beam, rad. Raises ValueError for another
-    port or a ratio of 1 or less.
+    reflection. Raises ValueError for another port or a ratio of 1 or less.
     """
     a = _leakage(transmitted_extinction, "the transmitted port's extinction ratio")
     b = _leakage(reflected_extinction, "the reflected port's extinction ratio")
@@ -159,7 +146,7 @@ def polarising_beam_splitter(
         raise ValueError(
             f"Expected port 'transmitted' or 'reflected', got {port!r}. Choose one."
         )
-    return _diattenuator(np.sqrt(horizontal), np.sqrt(vertical), angle_error)
+    return _diattenuator(np.sqrt(horizontal), np.sqrt(vertical))
 
 
 def apply(element: JonesMatrix, field: ArrayLike) -> JonesVector:

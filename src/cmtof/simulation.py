@@ -34,8 +34,6 @@ def simulate(
     frequencies: ArrayLike = FREQUENCIES,
     noise: float = NOISE_SIGMA,
     noise_free: bool = False,
-    gain: float = GAIN,
-    integration_time: float = INTEGRATION_TIME,
     psi: ArrayLike = QUADRATURES,
     order: NoiseOrder = "paper",
     phase_offset: ArrayLike = 0.0,
@@ -46,17 +44,20 @@ def simulate(
 
     The frame's intensity is clipped to [0, 1]. ``protocol`` is that of `staged_depth`; pixels out
     of its range are masked, and keep their signal. Frequencies (F,), Hz, lowest first; ``psi``
-    (K,), rad; ``noise`` is the Gaussian sigma, counts, beside photon noise; ``gain`` and
-    ``integration_time`` are G and T; ``order`` is that of `cmtof.detector.poisson_gaussian`.
+    (K,), rad; ``noise`` is the Gaussian sigma, counts, beside photon noise; ``order`` is that of
+    `cmtof.detector.poisson_gaussian`.
     ``phase_offset`` (F,) is an error of calibration added to every phase of a frequency, rad
     (Table 3). The noise is drawn from ``default_rng([seed, frame_number])``.
     """
     frequencies = checked_frequencies(frequencies)
-    _check_sensor(gain, integration_time, order)
+    if order not in get_args(NoiseOrder):
+        raise ValueError(
+            f"Expected order 'paper' or 'released', got {order!r}. Choose one."
+        )
     depth, mask, limits = _staged(frame, protocol, frequencies)
     # where no depth is known no light returns
     light = np.where(np.isfinite(depth), np.clip(frame.intensity, 0, 1), 0)
-    signal = gain * integration_time * light.astype(np.float32)
+    signal = GAIN * INTEGRATION_TIME * light.astype(np.float32)
     offset = np.broadcast_to(phase_offset, frequencies.shape)
     # an error of the phase is one of the reference phase that the file does not know of
     means = _means(signal, depth, frequencies, np.add(psi, offset[:, None]))
@@ -82,8 +83,8 @@ def simulate(
         photon_noise=int(not noise_free),
         noise_order=order,
         phase_offset=offset,
-        gain=gain,
-        integration_time_ms=integration_time,
+        gain=GAIN,
+        integration_time_ms=INTEGRATION_TIME,
     )
 
 
@@ -95,19 +96,6 @@ def _staged(
         return staged_depth(frame.depth, protocol=protocol, frequencies=frequencies)
     except ValueError as error:
         raise ValueError(f"{error} {frame.note}".strip()) from None
-
-
-def _check_sensor(gain: float, integration_time: float, order: str) -> None:
-    """Raise a ValueError for settings that no sensor has."""
-    if order not in get_args(NoiseOrder):
-        raise ValueError(
-            f"Expected order 'paper' or 'released', got {order!r}. Choose one."
-        )
-    if not (0 <= gain < np.inf and 0 <= integration_time < np.inf):
-        raise ValueError(
-            f"Expected gain and integration_time >= 0, got {gain} and {integration_time}. "
-            "Correct them."
-        )
 
 
 def _means(signal: Single, depth: Array, frequencies: Array, psi: Array) -> Single:
