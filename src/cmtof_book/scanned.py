@@ -342,7 +342,7 @@ def forget(counts: Counts, weights: Path, again: Sequence[str]) -> None:
     found = read_card(weights).sha256
     if counts.held.get("weights", found) != found:
         counts.held.pop("sweep", None)
-        again = [*again, "tuned", "tuned mirrored"]
+        again = [*again, "tuned", "tuned mirrored", "tuned hybrid"]
         again += [f"{count} scans" for count in CURVE]
     for kept in counts.held.get("counts", {}).values():
         for row in again:
@@ -372,6 +372,7 @@ def main(
     usual: Rows = {name: {} for name in (*METHODS, *TOLD) if name != "phasor"}
     usual["tuned"] = {"method": NETWORK, "weights": best}
     usual["tuned mirrored"] = {"method": MIRRORED, "weights": best}
+    usual["tuned hybrid"] = {"method": "hybrid", "weights": best}
     compare(folder, counts, "captures", usual)
     sweep(folder, counts, best)
     compare(folder, counts, "photon", usual)

@@ -10,6 +10,7 @@ Constants are fits to views of training rooms, even and with waves, with a camer
 on scans of things that the book does not show.
 """
 
+from collections.abc import Callable
 from typing import NamedTuple
 
 import numpy as np
@@ -125,9 +126,16 @@ def borders(field: Field, label: Numbers, surfaces: Array) -> Borders:
     return Borders(first.astype(int), second.astype(int), step.astype(int), odds)
 
 
-def tied(found: Offsets, borders: Borders, limits: Array, repeat: float) -> Tied:
+def tied(
+    found: Offsets,
+    borders: Borders,
+    limits: Array,
+    repeat: float,
+    told: Callable[[Numbers], Array] | None = None,
+) -> Tied:
     """Offsets of surfaces by their own beat and shape and by their contacts.
 
+    What is known from elsewhere counts, too: ``told`` returns log-odds of offsets (N, M), wraps.
     They lie within ``limits`` (2, N), wraps; beats repeat after ``repeat`` wraps. The message from
     surface a to b is ``log r_b(m + step) = L log(P q_a(m) + (1 - P) / M)``, where q_a are the
     probabilities at a without the message from b, P those that both meet, M the number of offsets,
@@ -143,6 +151,8 @@ def tied(found: Offsets, borders: Borders, limits: Array, repeat: float) -> Tied
     density = softmax(-(off**2) / 2, axis=1) + _STRAY / offsets.size
     every = base + offsets
     alone = np.log(np.where((every > low - 1) & (every < high + 1), density, _OUTSIDE))
+    if told:
+        alone += told(every)
     source = np.append(borders.first, borders.second)
     target = np.append(borders.second, borders.first)
     step = np.append(borders.step, -borders.step)[:, None] + base[source] - base[target]

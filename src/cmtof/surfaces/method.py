@@ -9,6 +9,7 @@
 """
 
 from collections.abc import Callable, Collection
+from functools import partial
 from typing import NamedTuple
 
 import numpy as np
@@ -62,7 +63,8 @@ _ENOUGH = 3.0  # votes that decide; a pixel alone has one
 _FARTHEST = 8  # wraps from a pixel's own beat up to which neighbours may outvote it
 
 
-Election = Callable[[contacts.Tied, Array, Numbers], contacts.Tied]
+# Log-odds of offsets, from depth (H, W) and surface (H, W) before any, and offsets (N, M).
+Told = Callable[[Array, Numbers, Numbers], Array]
 
 
 class Stages(NamedTuple):
@@ -84,18 +86,17 @@ def surfaces(
     measurement: Measurement,
     *,
     without: Collection[str] = (),
-    elect: Election | None = None,
+    told: Told | None = None,
 ) -> Estimate:
     """Depths by surfaces in true geometry, each pooled over all of its pixels.
 
-    Steps named in ``without`` are left out, and ``elect`` has the last word on offsets, as in
-    `stages`.
+    Steps named in ``without`` are left out, and ``told`` says more of offsets, as in `stages`.
     """
     if not set(without) <= set(STEPS):
         raise ValueError(
             f"Expected steps out of {STEPS} to leave out, got {without}. Correct it."
         )
-    found = stages(measurement, without, elect)
+    found = stages(measurement, without, told)
     height, width = measurement.shape
     depth = within_range(found.depth[:height, :width], measurement)
     sure = np.where(measurement.mask, found.confidence[:height, :width], 0)
@@ -105,14 +106,15 @@ def surfaces(
 def stages(
     measurement: Measurement,
     without: Collection[str] = (),
-    elect: Election | None = None,
+    told: Told | None = None,
 ) -> Stages:
     """Results of all steps, for two frequencies of which none is a multiple of the other.
 
     Steps that may be left out: ``bent`` surfaces beside planes; ``parts``, cut where the beat
     steps; with a camera, offsets by the ``shape``, one of all beats by it (``closure``), and by the
     ``axes`` of the room; ``ties`` of surfaces that meet; the ``fill`` of far pixels by their beat.
-    ``elect`` returns offsets from them, the depth (H, W) and the surface (H, W) before any offset.
+    ``told`` returns log-odds of offsets (N, M), wraps, from the depth (H, W), m, and the surface
+    (H, W) of pixels before any offset.
     """
     synthetic_frequency(*measurement.frequencies[:2])  # refuses multiples
     field = field_from_measurement(measurement)
@@ -132,10 +134,10 @@ def stages(
         touching,
         _limits(field, depth[inside], masked, len(grown.surfaces)),
         repeat=1 / abs(field.excess),
+        told=told and partial(told, depth[inside], masked),
     )
     odds = np.zeros(depth.shape)
     if len(grown.surfaces):
-        joined = elect(joined, depth[inside], masked) if elect else joined
         depth = depth + field.period * joined.wraps[everywhere]
         depth = _departed(field, depth, np.append(cells.rough, 0)[grown.label])
         joined = _calibrated(joined)
