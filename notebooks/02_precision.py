@@ -202,7 +202,7 @@ plotting.save(
     caption="Noise beyond the linear regime, simulated at the paper's settings. (a) Standard "
     "deviation of the wrapped phase at eight brightnesses, with the exact law; the small-noise "
     "formula underestimates it for dark pixels. (b) Histograms of the error, with "
-    "{eq}`eq-2.2`.",
+    "[Eq. 2.2](#eq-2.2).",
     alt="Left, spread of the phase over the small-noise formula, both logarithmic: the points "
     "leave the diagonal upwards near 0.3 radians and bend to the level of pi over root three. "
     "Right, three histograms on their curves: narrow, wider with tails, nearly flat.",

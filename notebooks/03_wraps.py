@@ -32,7 +32,7 @@ from cmtof.correlation import (
 )
 from cmtof.measurement import unambiguous_range
 from cmtof.scenes import Frame
-from cmtof_book import notes, paper, plotting
+from cmtof_book import live, notes, paper, plotting
 from cmtof_book.compared import closed_form, sum_over_draws
 
 plotting.begin(profile=profile, seed=seed)
@@ -165,7 +165,9 @@ need = {v: bounds.pixels_needed(s, s, frequencies=FREQUENCIES) for v, s in pool_
 # %% tags=["hide-input"]
 figure, axes = plt.subplots(1, 2, figsize=(8.4, 4.1))
 names = {"label": "counted", "bound_label": "exact law", "color": "C1"}
-plotting.sweep(axes[0], brightness, 100 * counted, errors=200 * error, bound=100 * law, **names)
+plotting.sweep(
+    axes[0], brightness, 100 * counted, errors=200 * error, bound=(brightness, 100 * law), **names
+)
 axes[0].plot(brightness, 100 * formula, color=plotting.GREY, ls="--", label="small-noise formula")
 plotting.mark(axes[0], y=100 / beat_wraps, text="chance")
 axes[0].set(xlabel="brightness I", ylabel="wrap right (%)", title="one pixel", xmargin=0.2)
@@ -219,9 +221,10 @@ notes.say(
     big_product=100 * pooled[0.3, 64][1],
 )
 
+# %% tags=["hide-input"]
+live.show('<div data-play="odds"></div>')
+
 # %% [markdown]
-# <div data-play="odds"><em>The page of the book has sliders here.</em></div>
-#
 # Real surfaces are not flat: before the phasors of neighbours are added, their phases must be
 # aligned, which requires knowledge of the surface. So unwrapping needs the very surface it seeks.
 
@@ -269,4 +272,4 @@ print(f"{wrap_length(other - f1) / wrap_length(f1):.1f} wraps, spread {spread:.2
 # %% tags=["hide-cell"]
 # The spread is proportional to one over the root of the number of pixels; 99.9 % lie within 3.29
 # spreads, which may be half a wrap.
-round((2 * 3.2905 * wrap_spread) ** 2, -2)
+print(f"{(2 * 3.2905 * wrap_spread) ** 2:,.0f} pixels")

@@ -29,7 +29,7 @@ from cmtof.constants import FREQUENCY_DOUBLED, FREQUENCY_SINGLE, SPEED_OF_LIGHT
 from cmtof.correlation import TAU, correlation_contrast
 from cmtof.modulator import DOUBLED, SINGLE, doubled_mode_harmonics, single_mode_harmonics
 from cmtof.waveform import low_pass_harmonics, waveform_from_harmonics
-from cmtof_book import notes, paper, plotting
+from cmtof_book import live, notes, paper, plotting
 from cmtof_book.compared import closed_form
 from cmtof_lab.instrument import Panel, RfKnobs, SimulatedInstrument
 from cmtof_lab.settings import TwinSettings
@@ -330,9 +330,10 @@ notes.say(
     response_doubled=response[1],
 )
 
+# %% tags=["hide-input"]
+live.show('<div data-play="modulator"></div>')
+
 # %% [markdown]
-# <div data-play="modulator"><em>The page of the book has sliders here.</em></div>
-#
 # ## Drive amplitude
 #
 # For ranging two such modules are multiplied. With the coefficients $W$ of one module the mean of
@@ -466,7 +467,7 @@ for order, size, wave, colour in ((1, j1, np.sin, "C0"), (2, j2, np.cos, "C1")):
     plotting.sweep(axes[0], x, by_plate[order], bound=line, label=f"$m_{order}$", **look)
 for name, told in zip(modes, ("closed form", ""), strict=True):
     look = {"color": COLOURS[name], "log": "", "label": name, "bound_label": told}
-    plotting.sweep(axes[1], steps, by_power[name], bound=law[name], **look)
+    plotting.sweep(axes[1], steps, by_power[name], bound=(steps, law[name]), **look)
 axes[0].set_xlabel("angle of the half-wave plate (°)")
 axes[1].set_xlabel("RF power (dBm)")
 for ax in axes:
@@ -565,4 +566,4 @@ print(f"η = {etas[largest]:.2f}: {jv(2, 2 * etas[largest]):.3f}")
 # Over the mean the harmonics are 2 J₁(2η)|sin 8θ| and 2 J₂(2η)|cos 8θ|, so the drive's own is the
 # larger one. The slider above shows the same.
 turned = 8 * np.deg2rad(20)
-round(abs(jv(1, 0.52) * np.sin(turned) / (jv(2, 0.52) * np.cos(turned))), 2)
+print(f"{abs(jv(1, 0.52) * np.tan(turned) / jv(2, 0.52)):.2f}")

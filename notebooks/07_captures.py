@@ -239,7 +239,7 @@ for name, value in sigma.items():
 #
 # Within a surface the wrap follows from neighbours; across an occlusion it does not. Wall and
 # objects are therefore unwrapped apart
-# ([Herr{\'a}ez et al. 2002](../book/references.bib#herraez2002)), where the average is coherent.
+# ([Herráez et al. 2002](../book/references.bib#herraez2002)), where the average is coherent.
 # Each connected piece gets the whole wraps that bring its median nearest to the reference.
 
 

@@ -119,7 +119,7 @@ draw("fig10_others", OTHERS, "Other methods, and references.", folded=True)
 # the same frame with the same noise. The paper's rows are phasor imaging
 # ([Gupta et al. 2015](../book/references.bib#gupta2015)), CRT
 # ([Xia and Wang 2007](../book/references.bib#xia2007)), KDE
-# ([J{\"a}remo Lawin et al. 2016](../book/references.bib#lawin2016)), One-Step
+# ([Järemo Lawin et al. 2016](../book/references.bib#lawin2016)), One-Step
 # ([Wang et al. 2019](../book/references.bib#wang2019)), U-Net
 # ([Ronneberger et al. 2015](../book/references.bib#ronneberger2015)), Deep-ToF
 # ([Su et al. 2018](../book/references.bib#su2018)) and Rapid
@@ -127,9 +127,9 @@ draw("fig10_others", OTHERS, "Other methods, and references.", folded=True)
 # ([Chen et al. 2018](../book/references.bib#chen2018)). Of these networks the paper states for
 # Deep-ToF alone that it reads raw correlations; here all do, since Rapid learnt nothing from
 # wrapped ones ([chapter 8](08_network.ipynb)). The random field takes its two-frequency term from
-# [Valad{\~a}o and Bioucas-Dias 2009](../book/references.bib#valadao2009), its solvers from
-# [Hirschm{\"u}ller 2008](../book/references.bib#hirschmuller2008) and
-# [Bioucas-Dias and Valad{\~a}o 2007](../book/references.bib#bioucas2007); averages stop at edges as
+# [Valadão and Bioucas-Dias 2009](../book/references.bib#valadao2009), its solvers from
+# [Hirschmüller 2008](../book/references.bib#hirschmuller2008) and
+# [Bioucas-Dias and Valadão 2007](../book/references.bib#bioucas2007); averages stop at edges as
 # in [He et al. 2013](../book/references.bib#he2013).
 
 # %% tags=["hide-input"]

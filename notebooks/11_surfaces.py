@@ -216,7 +216,7 @@ plotting.sweep(
     ax,
     sizes,
     scatter,
-    bound=both,
+    bound=(sizes, both),
     color=green,
     label=f"found in {trials} draws",
     bound_label="beat and shape, predicted",

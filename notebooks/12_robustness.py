@@ -598,7 +598,7 @@ for ax, case in zip(axes, pooled, strict=True):
             ax,
             pooled[case],
             100 * rate,
-            bound=100 * upper,
+            bound=(pooled[case], 100 * upper),
             errors=bars,
             color=colour[name],
             label=key,

@@ -21,11 +21,10 @@ from html import escape
 
 import matplotlib.pyplot as plt
 import numpy as np
-from IPython.display import HTML, display
 from scipy.special import jv
 
 from cmtof.correlation import TAU, depth_from_phase, phase_from_depth, wrap_length
-from cmtof_book import notes, paper, plotting
+from cmtof_book import live, notes, paper, plotting
 from cmtof_book.compared import closed_form
 from cmtof_lab.budget import (
     air_term,
@@ -262,12 +261,7 @@ for mode in MODES:
     }
 base = {"range": target.distance, "reflectance": target.reflectance, "power": sent_power(known)}
 held = json.dumps({"modes": calculator, "base": base, "light": [steps[0], steps[-1]]})
-display(
-    HTML(
-        f'<div data-play="distance" data-numbers="{escape(held)}">'
-        "<em>The page of the book has sliders here.</em></div>"
-    )
-)
+live.show(f'<div data-play="distance" data-numbers="{escape(held)}"></div>')
 
 # %% [markdown]
 # ## Error sizes that would explain the paper

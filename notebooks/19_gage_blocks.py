@@ -306,8 +306,8 @@ plotting.save(
     figure,
     "plane_r_squared",
     caption="A slanted plane at 1 m, simulated at the photon limit. (a) Scatter of a point about "
-    "the fitted plane, and {eq}`eq-19.3`. (b) The same scans as 1 − R², with "
-    "{eq}`eq-19.2`.",
+    "the fitted plane, and [Eq. 19.3](#eq-19.3). (b) The same scans as 1 − R², with "
+    "[Eq. 19.2](#eq-19.2).",
     alt=f"Left, the scatter grows from {1e6 * left[0, 0]:.0f} µm on a nearly flat plane to "
     f"{1e6 * left[-1, 0]:.0f} µm at a slope of {slopes[-1]:.2f}, along the predicted curve. Right, "
     f"1 − R² falls from {1e6 * (1 - r_squared[0, 0]):.0f} to {1e6 * (1 - r_squared[-1, 0]):.1f} "

@@ -205,7 +205,8 @@ window.cmtofScene = (name, about) => {
   show();
 };
 
-document.querySelectorAll(".scene").forEach((place) => {
+// Where a page has no folder of its own, as in JupyterLab, a scene comes with it.
+document.querySelectorAll("[data-content_root] .scene").forEach((place) => {
   const load = () => script(`${root}_static/scenes/${place.id.replace("-", "_")}.js`);
   if (place.open === false) place.addEventListener("toggle", load, { once: true });
   else load();
@@ -243,7 +244,6 @@ document.querySelectorAll("figure.swipe").forEach(async (figure) => {
 
 // A chart of one curve: `x` and `y` run from 0 to 1 of the axes, whose ends are texts.
 function chart(place, labels) {
-  place.textContent = ""; // what JupyterLab shows instead
   const svg = add(place, "svg", { viewBox: "0 0 640 268", role: "img", "aria-label": labels.title });
   const put = (...what) => add(svg, ...what);
   put("path", { d: "M60,10 V220 H610", class: "axis" });

@@ -11,6 +11,7 @@ import multiprocessing
 import os
 import sys
 from collections.abc import Callable
+from functools import partial
 from itertools import product
 from pathlib import Path
 from statistics import median
@@ -50,24 +51,21 @@ def ratios() -> None:
     from cmtof.correlation import decode
     from cmtof.simulation import simulate
 
-    rng, frame = np.random.default_rng(0), large_frame()
-    stack = simulate(frame, protocol="full", seed=0).dataset["correlation"].to_numpy()
+    rng = np.random.default_rng(0)
+    simulated = partial(simulate, large_frame(), protocol="full")
+    stack = simulated(seed=0).dataset["correlation"].to_numpy()
     psi = np.tile(np.arange(4) * np.pi / 2, (2, 1))
     fast = seconds(lambda: decode(stack, psi))
     print(
         f"decode (2, 4, 768, 1024) float32 / copy: {fast / seconds(stack.copy):.2f}, goal < 4"
     )
-    mean = (
-        simulate(frame, protocol="full", noise_free=True)
-        .dataset["correlation"]
-        .to_numpy()
-    )
+    mean = simulated(noise_free=True).dataset["correlation"].to_numpy()
 
     def draw() -> None:
         rng.poisson(mean)
         rng.standard_normal(mean.shape, dtype=np.float32)
 
-    whole = seconds(lambda: simulate(frame, protocol="full", seed=0), 3)
+    whole = seconds(partial(simulated, seed=0), 3)
     print(
         f"simulate / drawing its random numbers: {whole / seconds(draw, 3):.2f}, goal < 1.5"
     )
@@ -93,11 +91,8 @@ def cost(method: str, protocol: str) -> Values:
 
 def _memory(name: str) -> float:
     """A line of the process's status, MB."""
-    lines = Path("/proc/self/status").read_text("utf-8").splitlines()
-    return (
-        next(float(line.split()[1]) for line in lines if line.startswith(f"{name}:"))
-        / 1024
-    )
+    status = Path("/proc/self/status").read_text("utf-8")
+    return int(status.partition(f"{name}:")[2].split()[0]) / 1024
 
 
 def store() -> None:
@@ -117,8 +112,9 @@ def store() -> None:
     held = {
         "command": "python -m cmtof_book.benchmarks --store",
         "version": __version__,
+        "machine": f"one thread of {processor()}",
+        "methods": found,
     }
-    held |= {"machine": f"one thread of {processor()}", "methods": found}
     write_json(STORE, held)
 
 

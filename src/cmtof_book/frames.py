@@ -69,7 +69,7 @@ def store(path: Path, frames: list[Frame]) -> None:
             camera=np.stack(
                 [frame.camera for frame in frames if frame.camera is not None]
             ),
-            name=np.array([frame.name for frame in frames]),
+            name=[frame.name for frame in frames],
         )
 
 

@@ -17,6 +17,7 @@ import grimp
 import yaml
 
 import cmtof
+from cmtof.captures import data_root
 from cmtof.files import read_document
 from cmtof_book import Values
 
@@ -91,12 +92,15 @@ class Book:
     def inputs(self, stem: str) -> list[str]:
         """Every file that a notebook's results depend on, relative to the checkout."""
         script = self.script(stem)
-        fixed = {
-            script,
-            self.root / "environment.lock",
-            self.source / "cmtof_book" / "execute.py",
-        }
-        return self._relative(fixed.union(self.closure(script), self._declared(stem)))
+        return self._relative(
+            {
+                script,
+                self.root / "environment.lock",
+                self.source / "cmtof_book" / "execute.py",
+                *self.closure(script),
+                *self._declared(stem),
+            }
+        )
 
     def tool(self, name: str) -> list[str]:
         """A module of `cmtof_book` and the files of the packages that it reaches."""
@@ -142,13 +146,9 @@ class Book:
             self.root / "book" / "results" / name
             for name in declared.get("results", [])
         ]
-        if words := declared.get("data"):
-            from cmtof.captures import data_root
-
-            if base := data_root():
-                places += [
-                    file for word in words for file in Path(base, word).rglob("*")
-                ]
+        if base := data_root():
+            for word in declared.get("data", []):
+                places += Path(base, word).rglob("*")
         return filter(Path.is_file, places)
 
     def _relative(self, files: Any) -> list[str]:

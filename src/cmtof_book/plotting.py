@@ -41,6 +41,7 @@ PALETTE: Texts = {  # in the order in which lines take them
 GREY = "#8A97A3"  # of reference lines
 PHASE_CMAP = "twilight"  # cyclic: 0 and 2π look alike, lightness carries the rest
 DEPTH_CMAP = "cividis"  # for depth, amplitude and counts
+CAPTION = "cmtof-caption"  # key in an output's metadata; pages put captions themselves
 WIDTH = 8.4  # inches, of a figure as wide as a page
 PAGE = 720  # px, of the book's text on a screen
 LEGIBLE = 9  # px, of the smallest text there
@@ -113,11 +114,14 @@ def mark(
 ) -> None:
     """Thin grey reference line at ``x`` or at ``y``, with a text at its end."""
     style: Any = {"color": GREY, "lw": 1, "ls": ":", "zorder": 0}
-    note: Any = {"color": "#59646E", "size": "small", "xytext": (3, 2), "zorder": 4}
-    note["path_effects"] = [
-        withStroke(linewidth=2.5, foreground="white")
-    ]  # readable on lines
-    note["textcoords"] = "offset points"
+    note: Any = {
+        "color": "#59646E",
+        "size": "small",
+        "textcoords": "offset points",
+        "xytext": (3, 2),
+        "zorder": 4,
+        "path_effects": [withStroke(linewidth=2.5, foreground="white")],  # on lines
+    }
     if x is not None:
         ax.axvline(x, **style)
         ax.annotate(text, (x, 0), xycoords=ax.get_xaxis_transform(), **note)
@@ -132,20 +136,19 @@ def sweep(
     values: ArrayLike,
     *,
     errors: ArrayLike | None = None,
-    bound: ArrayLike | tuple[ArrayLike, ArrayLike] | None = None,
+    bound: tuple[ArrayLike, ArrayLike] | None = None,
     bound_label: str = "",
     log: str = "xy",
     **style: Any,
 ) -> None:
     """Dots (N,) of a sweep, with error bars, and the line of a bound or theory.
 
-    ``errors`` are half-lengths; ``bound`` holds values, or its own settings and values. ``style``
-    is that of the dots; the line has their ``color``.
+    ``errors`` are half-lengths; ``bound`` holds settings and values. ``style`` is that of the dots;
+    the line has their ``color``.
     """
     dots = {"fmt": "o", "ms": 4.5, "color": PALETTE["blue"], "lw": 1.2} | style
     if bound is not None:
-        line = bound if isinstance(bound, tuple) else (x, bound)
-        ax.plot(*line, color=dots["color"], lw=1.4, label=bound_label)
+        ax.plot(*bound, color=dots["color"], lw=1.4, label=bound_label)
     ax.errorbar(x, values, errors, **dots)
     ax.set(**{f"{axis}scale": "log" for axis in log})
 
@@ -264,17 +267,17 @@ def save(
         if format == "png":
             _save_space(part)
     plt.close(fig)
-    _publish(
-        target, alt, {"name": name, "csv": bool(plotted), "folded": folded} | words
-    )
+    _publish(target, {"name": name, "csv": bool(plotted), "folded": folded} | words)
 
 
-def _publish(picture: Path, alt: str, about: Named) -> None:
-    """Display a picture in a notebook, with what the book needs to place it."""
+def _publish(picture: Path, about: Texts) -> None:
+    """Display a picture and its caption in a notebook, with what the book needs to place them."""
     from IPython.core.getipython import get_ipython
 
     if shell := get_ipython():
         vector = picture.suffix == ".svg"
         kind = "image/svg+xml" if vector else "image/png"
         drawn = picture.read_text("utf-8") if vector else picture.read_bytes()
-        shell.display_pub.publish({kind: drawn, "text/plain": alt}, {"cmtof": about})
+        publish = shell.display_pub.publish
+        publish({kind: drawn, "text/plain": about["alt"]}, {"cmtof": about})
+        publish({"text/markdown": about["caption"]}, {CAPTION: True})

@@ -12,7 +12,6 @@ prints every value at a seed.
 import sys
 from collections.abc import Iterator, Mapping
 from importlib.util import find_spec
-from itertools import chain
 from pathlib import Path
 from typing import Any, NamedTuple
 
@@ -82,7 +81,8 @@ def expected(entry: Mapping[str, Any]) -> Compared:
 
 def values(seed: int, figure: Path | None = None) -> Named:
     """Every number by its name in ``replication.yml``; Fig. 10 is drawn where a file is named."""
-    return chain(_noise(seed), _methods(seed, figure))
+    yield from _noise(seed)
+    yield from _methods(seed, figure)
 
 
 def _noise(seed: int) -> Named:

@@ -39,9 +39,13 @@ def scores_in(records: Iterable[Record]) -> Scores:
     scores = {key: Score(number) for key, number in published_numbers().items()}
     for record in records:
         for key, held in record.numbers.items() if record.name == PAPER else ():
-            about = {"crops": held["crops"], "chapter": record.chapter}
-            about["profile"] = record.content["provenance"]["profile"]
-            score = Score.of(published(key), held["cases"], **about)
+            score = Score.of(
+                published(key),
+                held["cases"],
+                crops=held["crops"],
+                chapter=record.chapter,
+                profile=record.content["provenance"]["profile"],
+            )
             both = (scores[key], score) if scores[key].chapter else (score,)
             scores[key] = min(both, key=lambda one: WORST_FIRST.index(one.verdict))
     return scores

@@ -137,17 +137,15 @@ def measured(module: Module) -> Iterator[Finding]:
 def complexities() -> Iterator[Finding]:
     """Functions of too many branches."""
     most = f"lint.mccabe.max-complexity={LIMITS['complex functions']}"
-    command = [
-        sys.executable,
-        "-m",
-        "ruff",
-        "check",
+    options = [
         "--isolated",
         "--select",
         "C901",
-        *VOLUME,
+        "--output-format",
+        "concise",
+        "--config",
     ]
-    command += ["--config", most, "--output-format", "concise"]
+    command = [sys.executable, "-m", "ruff", "check", *VOLUME, *options, most]
     done = subprocess.run(
         command, cwd=ROOT, capture_output=True, text=True, check=False
     )

@@ -17,8 +17,10 @@ from nbformat.v4 import new_code_cell, new_markdown_cell
 
 from cmtof_book import ROOT, Values, claims, laboratory, pages, scoreboard
 from cmtof_book.graph import Book
+from cmtof_book.live import PAGE
 from cmtof_book.markdown import myst
 from cmtof_book.notes import SAID
+from cmtof_book.plotting import CAPTION
 from cmtof_book.record import read_all
 from cmtof_book.views import STATIC
 
@@ -30,7 +32,9 @@ PLACES = {"js": STATIC, "csv": NUMBERS}
 def caption(about: Values, stem: str) -> str:
     """Caption of a figure with its number in the paper, and a line on how to get at it."""
     paper = re.match(r"(fig|table)0*(\d+)_", about["name"])
-    return pages.page("caption", about=about, stem=stem, paper=paper, folder=NUMBERS)
+    return myst(
+        pages.page("caption", about=about, stem=stem, paper=paper, folder=NUMBERS)
+    )
 
 
 def figure_cell(output: Any, stem: str) -> Any:
@@ -38,9 +42,10 @@ def figure_cell(output: Any, stem: str) -> Any:
     about = output.metadata.pop("cmtof")
     name = "fig-" + about["name"].replace("_", "-")
     figure = {"caption": caption(about, stem), "name": name}
-    placed = {"figure": figure, "image": {"alt": about["alt"]}}
-    tags = ["remove-input", *["hide-output"] * about["folded"]]
-    metadata = {"tags": tags, "mystnb": placed}
+    metadata = {
+        "tags": ["remove-input", *["hide-output"] * about["folded"]],
+        "mystnb": {"figure": figure, "image": {"alt": about["alt"]}},
+    }
     return new_code_cell("# continued", outputs=[output], metadata=metadata)
 
 
@@ -53,24 +58,19 @@ def taken(cell: Any, key: str) -> list[Any]:
     return chosen
 
 
-def place_figures(notebook: Any, stem: str) -> None:
-    """Make every saved figure a cell of its own; the source of the cell that drew it folds away."""
+def place_shown(notebook: Any, stem: str) -> None:
+    """Make every saved figure, and every sentence that a run has written, a cell of its own.
+
+    The answer is repeated at the head.
+    """
     cells: list[Any] = []
     for cell in notebook.cells:
         figures = [figure_cell(output, stem) for output in taken(cell, "cmtof")]
-        if figures:
-            cell.metadata["tags"] = sorted({*_tags(cell), "hide-input"})
-        cells += [cell, *figures]
-    notebook.cells = cells
-
-
-def place_sentences(notebook: Any) -> None:
-    """Make every sentence that a run has written a cell of text; repeat the answer at the head."""
-    cells: list[Any] = []
-    for cell in notebook.cells:
+        taken(cell, CAPTION)
         said = taken(cell, SAID)
         if not said or not cell.source.startswith("notes."):
             cells.append(cell)
+        cells += figures
         for output in said:
             cells.append(new_markdown_cell(output.data["text/markdown"]))
             if output.metadata[SAID] == "answer":
@@ -80,9 +80,9 @@ def place_sentences(notebook: Any) -> None:
 
 def put_behind_question(cells: list[Any], answer: str) -> None:
     """Insert the answer behind the first paragraph of the chapter, which asks for it."""
-    head = next(cell for cell in cells if cell.cell_type == "markdown")
-    title, question, *rest = head.source.split("\n\n")
-    head.source = "\n\n".join([title, question, answer, *rest])
+    paragraphs = cells[0].source.split("\n\n")
+    paragraphs.insert(2, answer)
+    cells[0].source = "\n\n".join(paragraphs)
 
 
 def lead_with_figure(notebook: Any) -> None:
@@ -94,7 +94,7 @@ def lead_with_figure(notebook: Any) -> None:
     texts = [n for n in range(place) if cells[n].cell_type == "markdown"]
     if texts:
         figure = cells.pop(place)
-        cells.insert(texts[0] + 1, figure)
+        cells.insert(1, figure)
         if texts[1:]:
             name = figure.metadata["mystnb"]["figure"]["name"]
             seen = f"See {{numref}}`{name}` at the head of this chapter."
@@ -121,8 +121,7 @@ def _tags(cell: Any) -> list[str]:
 def stage_notebook(executed: Path, target: Path) -> None:
     """Write the page of an executed notebook."""
     notebook: Any = nbformat.read(executed, as_version=4)
-    place_sentences(notebook)
-    place_figures(notebook, executed.stem)
+    place_shown(notebook, executed.stem)
     lead_with_figure(notebook)
     join_folded(notebook)
     about = pages.page("provenance", **notebook.metadata.pop("cmtof"))
@@ -131,6 +130,9 @@ def stage_notebook(executed: Path, target: Path) -> None:
     for number, cell in enumerate(notebook.cells):
         if cell.cell_type == "markdown":
             cell.source = myst(cell.source)
+        for output in cell.get("outputs", []):
+            if html := output.get("metadata", {}).pop(PAGE, ""):
+                output.data["text/html"] = html  # a page needs no frame
         cell["id"] = f"cell-{number:02d}"
         for key in ("papermill", "execution"):
             cell.metadata.pop(key, None)

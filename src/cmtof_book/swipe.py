@@ -4,8 +4,8 @@ The script of the book's pages moves the divider, and tells of a pixel what both
 """
 
 import json
+from collections.abc import Iterator
 from io import BytesIO
-from itertools import product
 from typing import Any
 
 import matplotlib.pyplot as plt
@@ -13,31 +13,26 @@ import numpy as np
 from numpy.typing import NDArray
 
 from cmtof.correlation import TAU, wrap_length
+from cmtof_book import live
 from cmtof_book.comparison import Scene
 from cmtof_book.provenance import letters
 
-LAYERS = {"wraps": "viridis", "errors": "magma"}
 WORST = 10  # wraps off, from where on an error is drawn alike
 
 
 def show_swipe(scene: Scene, left: str, right: str) -> None:
     """Put the wraps by two methods on the page, left and right of a divider."""
-    from IPython.display import HTML, display
-
-    both = product(((left, ""), (right, "over")), LAYERS)
-    pictures = [_picture(scene, label, kind, place) for (label, place), kind in both]
+    pictures = [*_pictures(scene, left, ""), *_pictures(scene, right, "over")]
     sides = f"{_share(scene, left)} at the left, {_share(scene, right)} at the right"
     wrap = 1e3 * wrap_length(scene.measurement.frequencies[0])
-    display(
-        HTML(
-            f'<figure class="swipe" data-wrap="{wrap}" data-names=\'{json.dumps([left, right])}\'>'
-            f"<div>{''.join(pictures)}{_image(_told(scene, left, right), 'told')}"
-            f'<input type="range" aria-label="Divider: {left} at its left, {right} at its right">'
-            '</div><label><input type="checkbox"> errors</label> <output></output>'
-            f"<figcaption>{sides}. Move the divider with the pointer or the arrow keys. The line "
-            "above tells of the pixel under the pointer; shift and arrow keys move it."
-            "</figcaption></figure>"
-        )
+    live.show(
+        f'<figure class="swipe" data-wrap="{wrap}" data-names=\'{json.dumps([left, right])}\'>'
+        f"<div>{''.join(pictures)}{_image(_told(scene, left, right), 'told')}"
+        f'<input type="range" aria-label="Divider: {left} at its left, {right} at its right">'
+        '</div><label><input type="checkbox"> errors</label> <output></output>'
+        f"<figcaption>{sides}. Move the divider with the pointer or the arrow keys. The line "
+        "above tells of the pixel under the pointer; shift and arrow keys move it."
+        "</figcaption></figure>"
     )
 
 
@@ -53,16 +48,14 @@ def _told(scene: Scene, *labels: str) -> NDArray[np.uint8]:
     return np.nan_to_num(np.hstack([counts, 255 * shares])).astype(np.uint8)
 
 
-def _picture(scene: Scene, label: str, kind: str, place: str) -> str:
-    """Map of a method as an image of HTML."""
-    values = scene.count(label)
-    low, high = scene.limits
-    if kind == "errors":
-        values = scene.error(label)
-        low, high = 0, WORST
-    scale = plt.get_cmap(LAYERS[kind]).with_extremes(bad="0.6")
-    look = {"cmap": scale, "vmin": low, "vmax": high}
-    return _image(values, f"{kind} {place}", f"{kind.capitalize()} of {label}.", **look)
+def _pictures(scene: Scene, label: str, place: str) -> Iterator[str]:
+    """Wraps and errors of a method as images of HTML."""
+    wraps = "wraps", "viridis", scene.count(label), scene.limits
+    errors = "errors", "magma", scene.error(label), (0, WORST)
+    for kind, scale, values, (low, high) in (wraps, errors):
+        colours = plt.get_cmap(scale).with_extremes(bad="0.6")
+        text = f"{kind.capitalize()} of {label}."
+        yield _image(values, f"{kind} {place}", text, cmap=colours, vmin=low, vmax=high)
 
 
 def _image(values: NDArray, kind: str, text: str = "", **look: Any) -> str:

@@ -91,11 +91,10 @@ def place_of(settings: Values, size: str, runs: Path | None) -> tuple[Path, str]
 
 def stored_counts(path: Path, settings: Values, options: str) -> Values:
     """Counts of a file, or an empty store where it is missing or has other settings."""
-    command = {"command": f"python -m cmtof_book.tables {options}"}
     held = read_json(path)
-    if held.get("settings") == settings:
-        return held | command
-    return command | {"settings": settings, "weights": {}, "cards": {}, "frames": []}
+    if held.get("settings") != settings:
+        held = {"settings": settings, "weights": {}, "cards": {}, "frames": []}
+    return held | {"command": f"python -m cmtof_book.tables {options}"}
 
 
 def count(held: Values, row: Row, frames: Iterable[Frame]) -> None:

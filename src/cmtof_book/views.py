@@ -16,7 +16,7 @@ from matplotlib.colors import to_hex
 from cmtof.files import written_whole
 from cmtof.pointcloud import mesh_triangles
 from cmtof.types import Array, Pair
-from cmtof_book import Values, provenance
+from cmtof_book import Values, live, provenance
 
 STATIC = "_static/scenes"  # where `cmtof_book.stage` puts the files
 
@@ -68,14 +68,11 @@ def save_scene(
 
 
 def show_scene(name: str, *, title: str) -> None:
-    """Put a saved scene on the page of the book, folded until it is opened."""
-    from IPython.display import HTML, display
-
-    display(
-        HTML(
-            f'<details class="scene" id="{name.replace("_", "-")}"><summary>Turn it: '
-            f"{html.escape(title)}</summary><p>The page of the book draws it here.</p></details>"
-        )
+    """Show a saved scene to turn, folded until it is opened."""
+    live.show(
+        f'<details class="scene" id="{name.replace("_", "-")}">'
+        f"<summary>Turn it: {html.escape(title)}</summary><p></p></details>",
+        provenance.output_folder() / f"{name}.js",
     )
 
 

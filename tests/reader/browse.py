@@ -6,6 +6,7 @@ from contextlib import contextmanager
 
 from playwright.sync_api import sync_playwright
 
+CHROMIUM = shutil.which("chromium") or shutil.which("chromium-browser")
 WIDTHS = {"desk": 1280, "phone": 390}
 FLAGS = (
     "--no-sandbox --disable-gpu --disable-quic --no-first-run --disable-sync --disable-extensions "
@@ -45,14 +46,9 @@ UNWANTED = {
 @contextmanager
 def chromium():
     """Start a browser without a profile and without a network."""
-    program = shutil.which("chromium") or shutil.which("chromium-browser")
-    if program is None:
-        raise FileNotFoundError(
-            "Expected Chromium, found none. Install it (Debian: apt-get install chromium)."
-        )
     with sync_playwright() as playwright:
         browser = playwright.chromium.launch(
-            executable_path=program, args=FLAGS.split()
+            executable_path=CHROMIUM, args=FLAGS.split()
         )
         yield browser
         browser.close()
