@@ -56,11 +56,20 @@ received = waveform_from_harmonics(returned, TAU * turns - phi)
 
 figure, axes = plt.subplots(2, 2, figsize=(8.4, 6.6))
 ax = axes[0, 0]
-ax.plot(period * turns, waveform_from_harmonics(raised, TAU * turns), label="emitted $p$")
+ax.plot(
+    period * turns, waveform_from_harmonics(raised, TAU * turns), label="emitted $p$"
+)
 ax.plot(period * turns, received, color="C4", label=r"received $\tilde p$")
 gated = waveform_from_harmonics(raised, TAU * turns + np.pi / 2)
-ax.plot(period * turns, gated, color=plotting.GREY, ls="--", label="reference $r$, ψ = π/2")
-ax.set(title="light and reference", xlabel="time (ps)", ylabel="power, transmission", ylim=(0, 1.7))
+ax.plot(
+    period * turns, gated, color=plotting.GREY, ls="--", label="reference $r$, ψ = π/2"
+)
+ax.set(
+    title="light and reference",
+    xlabel="time (ps)",
+    ylabel="power, transmission",
+    ylim=(0, 1.7),
+)
 ax.legend(loc="upper right", fontsize="small")
 
 ax = axes[0, 1]
@@ -69,7 +78,9 @@ for psi, colour, name in ((-phi, "C1", "ψ = −φ"), (np.pi - phi, "C3", "ψ = 
     ax.plot(period * turns, product, color=colour, label=f"product, {name}")
     ax.axhline(product[:-1].mean(), color=colour, ls="--")
 ax.legend(loc="upper right", fontsize="small")
-ax.set(title="their product and its average", xlabel="time (ps)", ylabel=r"$\tilde p\,r$")
+ax.set(
+    title="their product and its average", xlabel="time (ps)", ylabel=r"$\tilde p\,r$"
+)
 _ = ax.set_ylim(0, 0.9)
 
 # %% tags=["hide-input"]
@@ -81,9 +92,18 @@ for further in (0.0, 0.003, 0.006):
     (line,) = ax.plot(sweep, curve, label=f"{1e3 * (depth + further):.0f} mm")
     four = correlation_from_harmonics(returned, raised, phase=angle, psi=quarters)
     ax.plot(quarters, four, "o", color=line.get_color(), ms=5)
-    ax.plot(wrapped(-angle), curve.max(), "v", color=line.get_color(), ms=9, clip_on=False)
-ax.set(title="the detector's reading", xlabel="reference phase ψ", ylabel="$C_ψ$", ylim=(0.06, 0.3))
-ax.legend(ncols=3, loc="upper center", fontsize="small")
+    ax.plot(
+        wrapped(-angle), curve.max(), "v", color=line.get_color(), ms=9, clip_on=False
+    )
+ax.set(
+    title="the detector's reading",
+    xlabel="reference phase ψ",
+    ylabel="$C_ψ$",
+    ylim=(0.06, 0.3),
+)
+ax.legend(
+    ncols=3, loc="upper center", fontsize="small", handlelength=1, columnspacing=1
+)
 ax = axes[1, 1]
 table = correlation_from_harmonics(returned, raised, phase=sweep[:, None], psi=sweep)
 drawn = ax.imshow(table, origin="lower", extent=(0, TAU, 0, TAU), aspect="auto")
@@ -176,8 +196,11 @@ plotting.save(
 # mode's signal is too weak for a scan ([chapter 13](13_instrument.ipynb)).
 
 # %%
-weak, strong = (replace(SINGLE, eta=eta).harmonics(24) for eta in (eta_weak, eta_strong))
-doubled = replace(DOUBLED, eta=eta_strong).harmonics(24)[::2]  # harmonics of twice the drive
+weak, strong = (
+    replace(SINGLE, eta=eta).harmonics(24) for eta in (eta_weak, eta_strong)
+)
+# harmonics of twice the drive
+doubled = replace(DOUBLED, eta=eta_strong).harmonics(24)[::2]
 pairs = {
     "Eq. 8: raised cosine × gate": (raised, gate(24)),
     "two raised cosines": (raised, raised),
@@ -202,7 +225,9 @@ noise = {
 eq8, _, strong_name, weak_name, _ = pairs
 rows = []
 for name, value in noise.items():
-    depth_noise = 1e3 * depth_from_phase(value, frequency * (2 if "doubled" in name else 1))
+    depth_noise = 1e3 * depth_from_phase(
+        value, frequency * (2 if "doubled" in name else 1)
+    )
     pixels = (value / noise[eq8]) ** 2
     light = (f"{contrasts[name]:.3f}", f"{means[name]:.3f}")
     rows.append((name, *light, f"{value:.3f}", f"{depth_noise:.2f}", f"{pixels:.1f}"))
@@ -261,7 +286,8 @@ etas = np.linspace(0.02, 0.95, drives)
 coarse = angle[:: max(1, phases // 90)]
 many = single_mode_harmonics(etas, 24)
 against_drive = {
-    steps: [1e3 * np.abs(cyclic_error(w, coarse, steps)).max() for w in many] for steps in (3, 4, 8)
+    steps: [1e3 * np.abs(cyclic_error(w, coarse, steps)).max() for w in many]
+    for steps in (3, 4, 8)
 }
 
 # %% tags=["hide-input"]
@@ -292,7 +318,8 @@ plotting.save(
     caption="Cyclic error of the waveforms' harmonics with K steps of ψ, two single-mode "
     "modulators, simulated without noise. (a) Four steps alias the third harmonic of a strong "
     "drive into the phase. (b) The largest error against the drive, beside the RMSE that the paper "
-    f"measured. Sixteen steps leave at most {largest[eta_strong, 16]:.0e} mrad, below the axis. "
+    f"measured. Sixteen steps leave about $10^{{{np.log10(largest[eta_strong, 16]):.0f}}}$ mrad, "
+    "below the axis. "
     "Right scale: depth at 7.15 GHz.",
     alt="Left, the phase error over the phase: with four steps and a strong drive a wave of four "
     "periods, with a weak drive next to nothing. Right, errors that rise "
@@ -330,7 +357,9 @@ notes.say(
 levels = correlation_from_harmonics(raised, gate(1), phase=angle, psi=quarters[:, None])
 counts = GAIN * INTEGRATION_TIME * 2 * levels  # G T (1/2 + cos/π), Eq. 8
 digital = quantise(counts, bits=ADC_BITS, full_scale=2.0**ADC_BITS - 1)
-rounding = 1e3 * np.abs(centred(phase_from_correlation(digital, quarters) - angle)).max()
+rounding = (
+    1e3 * np.abs(centred(phase_from_correlation(digital, quarters) - angle)).max()
+)
 print(f"largest error: {rounding:.3f} mrad, {rounding * micron_per_mrad:.2f} µm")
 
 # %% [markdown]

@@ -13,14 +13,22 @@ samples: int = 1000  # measurements at each frequency; the paper's number
 points: int = 41  # frequencies between 100 MHz and 10 GHz
 depth: float = 3.0  # range of the point, m; its whole wraps are taken as known
 intensity: float = 0.5  # brightness of the point, 0 to 1
-law_samples: int = 400_000  # phases drawn at each brightness for the law of a noisy phase
+law_samples: int = (
+    400_000  # phases drawn at each brightness for the law of a noisy phase
+)
 
 # %% tags=["hide-input"]
 import matplotlib.pyplot as plt
 import numpy as np
 
 from cmtof.bounds import phase_bound, phase_density, phase_spread, simulated_phase_noise
-from cmtof.constants import ADC_BITS, FREQUENCY_SINGLE, GAIN, INTEGRATION_TIME, NOISE_SIGMA
+from cmtof.constants import (
+    ADC_BITS,
+    FREQUENCY_SINGLE,
+    GAIN,
+    INTEGRATION_TIME,
+    NOISE_SIGMA,
+)
 from cmtof.correlation import (
     TAU,
     centred,
@@ -49,7 +57,9 @@ psi = np.arange(4) * np.pi / 2
 signal = GAIN * INTEGRATION_TIME * intensity
 phase = phase_from_depth(depth, frequencies)
 mean = correlation_from_phase(phase, psi, amplitude=signal / np.pi, offset=signal / 2)
-noisy = poisson_gaussian(np.repeat(mean[..., None], samples, -1), rng=rng, sigma=NOISE_SIGMA)
+noisy = poisson_gaussian(
+    np.repeat(mean[..., None], samples, -1), rng=rng, sigma=NOISE_SIGMA
+)
 pedestal = 5 * NOISE_SIGMA
 full_scale = GAIN * INTEGRATION_TIME * (0.5 + 1 / np.pi) + 2 * pedestal
 counts = quantise(noisy + pedestal, bits=ADC_BITS, full_scale=full_scale) - pedestal
@@ -77,7 +87,9 @@ axes[0].set(xscale="log", ylabel="depth error (mm)", title=f"{samples} samples e
 bound_mm = 1e3 * depth_from_phase(bound, frequencies)
 plotting.sweep(axes[1], ghz, spread, color="C1", label="simulated")
 axes[1].plot(ghz, bound_mm, color="black", label="Cramér–Rao bound")
-axes[1].plot(ghz, 1e3 * wrap_length(frequencies), color=plotting.GREY, label="one wrap, $c/2f$")
+axes[1].plot(
+    ghz, 1e3 * wrap_length(frequencies), color=plotting.GREY, label="one wrap, $c/2f$"
+)
 axes[1].set(ylabel="depth (mm)", title="standard deviation")
 for ax in axes:
     ax.set(xlabel="modulation frequency (GHz)")
@@ -89,7 +101,9 @@ plotting.save(
     "fig03_precision",
     numbers={
         "ratio": gain_in_precision,
-        "spread_over_law": sum_over_draws(np.mean(spread / law), error=1 / np.sqrt(2 * error.size)),
+        "spread_over_law": sum_over_draws(
+            np.mean(spread / law), error=1 / np.sqrt(2 * error.size)
+        ),
         "rounding_share": closed_form(rounding_share),
     },
     caption=f"Depth error of one point against modulation frequency, simulated: {samples} samples "
@@ -174,19 +188,33 @@ noise_axis = np.geomspace(0.08, 8, 120)
 exact_axis = [phase_spread(noise) for noise in noise_axis]
 names = {"label": "simulated pixels", "bound_label": "exact law"}
 plotting.sweep(axes[0], linear, drawn, bound=(noise_axis, exact_axis), **names)
-axes[0].plot(noise_axis, noise_axis, color=plotting.GREY, ls="--", label="small-noise formula")
+axes[0].plot(
+    noise_axis, noise_axis, color=plotting.GREY, ls="--", label="small-noise formula"
+)
 plotting.mark(axes[0], y=np.pi / np.sqrt(3), text="uniform, π/√3")
 for row in zip(brightness, linear, drawn, strict=True):
-    axes[0].annotate(f"{row[0]:g}", row[1:], (6, -11), textcoords="offset points", fontsize="small")
-axes[0].set(ylim=(0.07, 4), xlabel=r"small-noise formula (rad)", ylabel="spread of the phase (rad)")
+    axes[0].annotate(
+        f"{row[0]:g}", row[1:], (6, -11), textcoords="offset points", fontsize="small"
+    )
+axes[0].set(
+    ylim=(0.07, 4),
+    xlabel=r"small-noise formula (rad)",
+    ylabel="spread of the phase (rad)",
+)
 axes[0].legend(loc="lower right")
 theta = np.linspace(-np.pi, np.pi, 400)
 for value, colour in ((1.0, "C0"), (0.3, "C2"), (0.05, "C1")):
-    density, edges = np.histogram(errors[value], bins=90, range=(-np.pi, np.pi), density=True)
+    density, edges = np.histogram(
+        errors[value], bins=90, range=(-np.pi, np.pi), density=True
+    )
     axes[1].stairs(density, edges, color=colour, alpha=0.3, fill=True)
     width = float(linear[brightness == value][0])
-    axes[1].plot(theta, phase_density(theta, width), color=colour, label=f"I = {value:g}")
-axes[1].set(xlabel="phase error (rad)", ylabel="density (1/rad)", yscale="log", ylim=(2e-4, 9))
+    axes[1].plot(
+        theta, phase_density(theta, width), color=colour, label=f"I = {value:g}"
+    )
+axes[1].set(
+    xlabel="phase error (rad)", ylabel="density (1/rad)", yscale="log", ylim=(2e-4, 9)
+)
 axes[1].legend(loc="upper right")
 plotting.label_panels(axes)
 
@@ -207,7 +235,9 @@ plotting.save(
     "leave the diagonal upwards near 0.3 radians and bend to the level of pi over root three. "
     "Right, three histograms on their curves: narrow, wider with tails, nearly flat.",
 )
-print(f"simulated pixels agree with the law within {np.abs(drawn / exact - 1).max():.1%}")
+print(
+    f"simulated pixels agree with the law within {np.abs(drawn / exact - 1).max():.1%}"
+)
 
 # %% [markdown]
 # If phasors are averaged *before* the angle is taken, the estimate stays near the bound.

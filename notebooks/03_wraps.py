@@ -46,7 +46,7 @@ line = frame.depth[:, column].astype(float)
 counts = {f: wrap_count_from_depth(line, f) for f in tones}
 crossed = {f: int(np.ptp(n)) for f, n in counts.items()}
 for f, name in tones.items():
-    print(f"{name:>9}: one wrap {1e3 * wrap_length(f):7.1f} mm, {crossed[f]} along the line")
+    print(f"{name:>9}: {1e3 * wrap_length(f):7.1f} mm a wrap, {crossed[f]} on the line")
 
 # %% tags=["hide-input"]
 figure = plt.figure(figsize=(8.4, 5.2))
@@ -102,8 +102,12 @@ beat_wraps = beat_range / wrap_length(f1)
 white = bounds.simulated_phase_noise(1.0)
 wrap_spread = bounds.wrap_noise(white, white, frequencies=FREQUENCIES)
 step = 1e3 * phase_from_depth(wrap_length(f1), f2 - 2 * f1)
-print(f"range {beat_range:.3f} m, {beat_wraps:.1f} wraps of {step:.1f} mrad of beat each")
-print(f"at full brightness the count of one pixel has a standard deviation of {wrap_spread:.1f}")
+print(
+    f"range {beat_range:.3f} m, {beat_wraps:.1f} wraps of {step:.1f} mrad of beat each"
+)
+print(
+    f"at full brightness the count of one pixel has a standard deviation of {wrap_spread:.1f}"
+)
 
 # %% [markdown]
 # A simulation tests the formula: on flat targets of one brightness the right wraps are counted
@@ -127,9 +131,13 @@ def share_right(phase, beat_phase, measurement):
 brightness = np.array([1.0, 0.7, 0.5, 0.3, 0.2, 0.1, 0.05])
 noise = bounds.simulated_phase_noise(brightness)
 formula = bounds.wrap_probability(noise, noise, frequencies=FREQUENCIES)
-law = np.array([bounds.wrap_probability_law(s, s, frequencies=FREQUENCIES) for s in noise])
+law = np.array(
+    [bounds.wrap_probability_law(s, s, frequencies=FREQUENCIES) for s in noise]
+)
 targets = {value: flat(value) for value in brightness}
-counted = np.array([share_right(t.phase[0], np.angle(beat_phasor(t)), t) for t in targets.values()])
+counted = np.array(
+    [share_right(t.phase[0], np.angle(beat_phasor(t)), t) for t in targets.values()]
+)
 error = np.sqrt(law * (1 - law)) / odds_side
 
 # %% [markdown]
@@ -160,22 +168,36 @@ for level in (1.0, 0.3):
             share_right(own, np.angle(blocks(product, side)), target),
         )
 pool_noise = {level: bounds.simulated_phase_noise(level) for level in (1.0, 0.3)}
-need = {v: bounds.pixels_needed(s, s, frequencies=FREQUENCIES) for v, s in pool_noise.items()}
+need = {
+    v: bounds.pixels_needed(s, s, frequencies=FREQUENCIES)
+    for v, s in pool_noise.items()
+}
 
 # %% tags=["hide-input"]
 figure, axes = plt.subplots(1, 2, figsize=(8.4, 4.1))
 names = {"label": "counted", "bound_label": "exact law", "color": "C1"}
 plotting.sweep(
-    axes[0], brightness, 100 * counted, errors=200 * error, bound=(brightness, 100 * law), **names
+    axes[0],
+    brightness,
+    100 * counted,
+    errors=200 * error,
+    bound=(brightness, 100 * law),
+    **names,
 )
-axes[0].plot(brightness, 100 * formula, color=plotting.GREY, ls="--", label="small-noise formula")
+axes[0].plot(
+    brightness, 100 * formula, color=plotting.GREY, ls="--", label="small-noise formula"
+)
 plotting.mark(axes[0], y=100 / beat_wraps, text="chance")
-axes[0].set(xlabel="brightness I", ylabel="wrap right (%)", title="one pixel", xmargin=0.2)
+axes[0].set(
+    xlabel="brightness I", ylabel="wrap right (%)", title="one pixel", xmargin=0.2
+)
 side_axis = np.geomspace(1, 330, 200)
 for level, colour in ((1.0, "C0"), (0.3, "C4")):
     spread = pool_noise[level] / side_axis
     theory = 100 * bounds.wrap_probability(spread, spread, frequencies=FREQUENCIES)
-    by_phasor, by_beat = (100 * np.array([pooled[level, s][k] for s in sides]) for k in (0, 1))
+    by_phasor, by_beat = (
+        100 * np.array([pooled[level, s][k] for s in sides]) for k in (0, 1)
+    )
     names = {"bound_label": f"I = {level:g}, formula", "color": colour, "log": "x"}
     plotting.sweep(axes[1], sides, by_phasor, bound=(side_axis, theory), **names)
     axes[1].plot(sides, by_beat, "x", color=colour, mew=2)
@@ -183,7 +205,9 @@ for level, colour in ((1.0, "C0"), (0.3, "C4")):
 axes[1].plot([], [], "ko", ms=4.5, label="phasors pooled")
 axes[1].plot([], [], "kx", mew=2, label="beats pooled")
 plotting.mark(axes[1], y=95, text="95 %")
-axes[1].set(xlabel="side of the pooled square (px)", ylabel="wrap right (%)", title="pooled")
+axes[1].set(
+    xlabel="side of the pooled square (px)", ylabel="wrap right (%)", title="pooled"
+)
 for ax, place in zip(axes, ("upper left", "center left"), strict=True):
     ax.legend(fontsize="small", loc=place)
 plotting.label_panels(axes)

@@ -9,10 +9,14 @@
 
 # %% tags=["parameters", "hide-input"]
 profile: str = "book"  # size profile
-seed: int = 0  # of the instrument's errors, and of the photodiode's noise in Paper Fig. 8
+seed: int = (
+    0  # of the instrument's errors, and of the photodiode's noise in Paper Fig. 8
+)
 eta: float = 0.26  # drive amplitude in one pass, rad; 50 % contrast in the single mode
 bandwidth: float = 12e9  # -3 dB bandwidth of the photodiode, Hz
-noise: float = 0.01  # standard deviation of its noise, in units of the light that enters
+noise: float = (
+    0.01  # standard deviation of its noise, in units of the light that enters
+)
 turns: int = 46  # angles of the half-wave plate, 0 to 45 degrees
 powers: int = 21  # settings of the RF power
 
@@ -27,7 +31,12 @@ from scipy.special import jv
 
 from cmtof.constants import FREQUENCY_DOUBLED, FREQUENCY_SINGLE, SPEED_OF_LIGHT
 from cmtof.correlation import TAU, correlation_contrast
-from cmtof.modulator import DOUBLED, SINGLE, doubled_mode_harmonics, single_mode_harmonics
+from cmtof.modulator import (
+    DOUBLED,
+    SINGLE,
+    doubled_mode_harmonics,
+    single_mode_harmonics,
+)
 from cmtof.waveform import low_pass_harmonics, waveform_from_harmonics
 from cmtof_book import live, notes, paper, plotting
 from cmtof_book.compared import closed_form
@@ -42,9 +51,18 @@ SERIES = {"single": single_mode_harmonics, "doubled": doubled_mode_harmonics}
 DRIVE_COLOURS = ("C5", "black", "C4")  # V = −η, 0, +η
 
 # %% tags=["hide-input"]
-PLACES = {3.3: ("PBS in", "HWP back"), 5.0: ("HWP", "QWP back"), 6.9: ("QWP", "EOM back")}
+PLACES = {
+    3.3: ("PBS in", "HWP back"),
+    5.0: ("HWP", "QWP back"),
+    6.9: ("QWP", "EOM back"),
+}
 PLACES[9.9] = ("EOM", "mirror")
-BOXES = {"PBS": (1.6, 1, 1), "HWP": (4.0, 0.2, 1.3), "QWP": (5.8, 0.2, 1.3), "EOM": (7.6, 1.6, 0.9)}
+BOXES = {
+    "PBS": (1.6, 1, 1),
+    "HWP": (4.0, 0.2, 1.3),
+    "QWP": (5.8, 0.2, 1.3),
+    "EOM": (7.6, 1.6, 0.9),
+}
 BOXES["mirror"] = (11.1, 0.16, 1.3)  # left end, width, height
 
 
@@ -53,12 +71,16 @@ def draw_path(ax):
     ax.plot([2.1, 2.1, 11.1], [1.3, 0.1, 0.1], color="#00A86B", lw=3, zorder=0)
     ax.plot([11.1, 0.3], [-0.1, -0.1], color="#00A86B", lw=3, alpha=0.5, zorder=0)
     for name, (x, width, height) in BOXES.items():
-        ax.add_patch(Rectangle((x, -height / 2), width, height, fc="#DCEBF7", ec="#6B8CA8"))
+        ax.add_patch(
+            Rectangle((x, -height / 2), width, height, fc="#DCEBF7", ec="#6B8CA8")
+        )
         ax.text(x + width / 2 - (name == "PBS"), 0.75, name, ha="center", weight="bold")
     ax.text(2.25, 1.2, "laser", va="center")
     ax.text(0.6, -0.3, "out, $I(t)$", ha="center", va="top")
     ax.text(8.4, 1.15, r"$V=\eta\,\sin\,\omega t$", ha="center")
-    ax.text(9.1, -0.75, f"$c/2f$ = {1e3 * SPEED_OF_LIGHT / (2 * FREQUENCY_SINGLE):.0f} mm")
+    ax.text(
+        9.1, -0.75, f"$c/2f$ = {1e3 * SPEED_OF_LIGHT / (2 * FREQUENCY_SINGLE):.0f} mm"
+    )
 
 
 def draw_states(ax, mode, top, name):
@@ -95,7 +117,11 @@ for name, mode in modes.items():
         wave = replace(mode, eta=drive).waveform(TAU * cycles)
         label = f"{name}, {frequency:.2f} GHz, η = {drive:.2f}"
         waves.plot(cycles, wave, style, color=COLOURS[name], label=label)
-waves.set(xlabel="drive periods, ωt/2π", ylabel="transmitted intensity, $I/A^2$", ylim=(-0.05, 1.4))
+waves.set(
+    xlabel="drive periods, ωt/2π",
+    ylabel="transmitted intensity, $I/A^2$",
+    ylim=(-0.05, 1.4),
+)
 waves.legend(loc="upper center", ncols=2, fontsize="small")
 plotting.label_panels([path, waves])
 
@@ -148,11 +174,10 @@ def residual(expression):
 
 # %%
 crystal = retarder(V, 0)
-half = sp.pi
 quarter = sp.pi / 2
-E1 = crystal * retarder(quarter, theta_q) * retarder(half, theta_h) * sp.Matrix([0, 1])
+E1 = crystal * retarder(quarter, theta_q) * retarder(sp.pi, theta_h) * sp.Matrix([0, 1])
 E2 = sp.diag(1, -1) * E1
-back = retarder(half, -theta_h) * retarder(quarter, -theta_q) * crystal
+back = retarder(sp.pi, -theta_h) * retarder(quarter, -theta_q) * crystal
 field = sp.expand((back * E2)[0].subs(theta_q, sp.pi / 4).rewrite(sp.exp))
 print("Eqs. 11–13, |E_2|² − |E_0|²:", residual((E2.H * E2)[0] - 1))
 print("E_3 + i cos(4θ_h + V):", residual(field + sp.I * sp.cos(4 * theta_h + V)))
@@ -204,7 +229,10 @@ residuals = {
     "Eq. 17": residual(doubled - sp.I * sp.sin(V)),
     "Eq. 18": residual(doubled * sp.conjugate(doubled) - I_doubled),
 }
-print("up to the common phase −1,", ", ".join(f"{k}: {left}" for k, left in residuals.items()))
+print(
+    "up to the common phase −1,",
+    ", ".join(f"{k}: {left}" for k, left in residuals.items()),
+)
 
 # %% tags=["hide-input"]
 plotting.save(
@@ -232,10 +260,14 @@ plotting.save(
 # both:
 
 # %%
-shared = replace(modes["doubled"], mirror_distance=SPEED_OF_LIGHT / (2 * SINGLE.frequency))
+shared = replace(
+    modes["doubled"], mirror_distance=SPEED_OF_LIGHT / (2 * SINGLE.frequency)
+)
 late = 1e3 * shared.pass_delay
 lost = 1 - shared.effective_eta / eta
-print(f"doubled drive on the single mode's spacing: {late:.1f} mrad late, {lost:.1e} of it lost")
+print(
+    f"doubled drive on the single mode's spacing: {late:.1f} mrad late, {lost:.1e} of it lost"
+)
 
 # %% [markdown]
 # ## Doubling and the factor of two
@@ -255,22 +287,35 @@ print(f"doubled drive on the single mode's spacing: {late:.1f} mrad late, {lost:
 
 # %%
 lowest = sp.series((1 - sp.cos(2 * eta_s * sp.sin(theta))) / 2, eta_s, 0, 4).removeO()
-print("lowest order over Eq. 19:", sp.simplify(lowest / (eta_s**2 * sp.sin(theta) ** 2 / 2)))
+print(
+    "lowest order over Eq. 19:",
+    sp.simplify(lowest / (eta_s**2 * sp.sin(theta) ** 2 / 2)),
+)
 ratio = jv(2, 2 * eta) / jv(1, 2 * eta)
 x = sp.symbols("x", positive=True)
 quarter_at = sp.nsolve(sp.besselj(2, 2 * x) / sp.besselj(1, 2 * x) - 0.25, x, 0.5)
-print(f"J_2/J_1 at η = {eta}: {ratio:.3f}; a quarter only at η = {float(quarter_at):.3f}")
+print(
+    f"J_2/J_1 at η = {eta}: {ratio:.3f}; a quarter only at η = {float(quarter_at):.3f}"
+)
 
 # %% tags=["hide-input"]
 rng = np.random.default_rng(seed)
 sampled = np.linspace(0, 2, 81)
 figure, axes = plt.subplots(2, 2, figsize=(8.4, 6.8), height_ratios=[1.35, 1])
-taylor = {"single": lambda sine: (1 - 2 * sine) / 2, "doubled": np.square}  # of eta sin(theta)
+# of eta sin(theta)
+taylor = {
+    "single": lambda sine: (1 - 2 * sine) / 2,
+    "doubled": np.square,
+}
 spectra = {name: mode.harmonics(8) for name, mode in modes.items()}
 for (ax, low), (name, mode) in zip(axes.T, modes.items(), strict=True):
     ps = 1e12 / mode.frequency
-    seen = low_pass_harmonics(mode.harmonics(24), frequency=mode.frequency, cutoff=bandwidth)
-    dots = waveform_from_harmonics(seen, TAU * sampled) + rng.normal(0, noise, sampled.size)
+    seen = low_pass_harmonics(
+        mode.harmonics(24), frequency=mode.frequency, cutoff=bandwidth
+    )
+    dots = waveform_from_harmonics(seen, TAU * sampled) + rng.normal(
+        0, noise, sampled.size
+    )
     ax.plot(ps * sampled, dots, ".", ms=4, color="#9AA4AD", label="photodiode, noisy")
     ax.plot(ps * cycles, mode.waveform(TAU * cycles), lw=2.4, label="exact")
     weak = taylor[name](eta * np.sin(TAU * cycles))
@@ -279,10 +324,16 @@ for (ax, low), (name, mode) in zip(axes.T, modes.items(), strict=True):
         ax.plot(ps * cycles, weak / 2, ":", color="C4", label="Eq. 19 as printed")
     filtered = waveform_from_harmonics(seen, TAU * cycles)
     ax.plot(
-        ps * cycles, filtered, color="black", lw=1.3, label=f"through {bandwidth / 1e9:.0f} GHz"
+        ps * cycles,
+        filtered,
+        color="black",
+        lw=1.3,
+        label=f"through {bandwidth / 1e9:.0f} GHz",
     )
     ax.set(
-        title=f"{name} mode", xlabel="time (ps)", ylim=((0, 1.1), (-0.03, 0.15))[name != "single"]
+        title=f"{name} mode",
+        xlabel="time (ps)",
+        ylim=((0, 1.1), (-0.03, 0.15))[name != "single"],
     )
     ax.legend(loc="upper center", ncols=2, fontsize="small")
     ghz = mode.frequency / 1e9 * np.arange(1, 9)
@@ -290,7 +341,9 @@ for (ax, low), (name, mode) in zip(axes.T, modes.items(), strict=True):
     bessel = 2 * np.abs(SERIES[name](eta, 8)[1:])
     shown = exact > 1e-8
     low.vlines(ghz[shown], 1e-9, exact[shown], color="C0", lw=5, label="Jones product")
-    low.plot(ghz[shown], bessel[shown], "o", mfc="none", color="C1", ms=10, label="Bessel")
+    low.plot(
+        ghz[shown], bessel[shown], "o", mfc="none", color="C1", ms=10, label="Bessel"
+    )
     low.plot(ghz[shown], 2 * np.abs(seen[1:9])[shown], "_", color="black", ms=16, mew=2)
     low.set(yscale="log", ylim=(1e-8, 3), xlabel="frequency (GHz)", xlim=(0, 60))
 
@@ -299,7 +352,9 @@ axes[0, 0].set_ylabel("transmitted intensity, $I/A^2$")
 axes[1, 0].set_ylabel("amplitude, $2|W_k|/A^2$")
 axes[1, 1].legend(fontsize="small")
 plotting.label_panels(axes.flat)
-response = [1 / np.hypot(1, f / bandwidth) for f in (FREQUENCY_SINGLE, FREQUENCY_DOUBLED)]
+response = [
+    1 / np.hypot(1, f / bandwidth) for f in (FREQUENCY_SINGLE, FREQUENCY_DOUBLED)
+]
 taylor_error = [eta - np.sin(2 * eta) / 2, eta**2 - np.sin(eta) ** 2]
 plotting.save(
     figure,
@@ -345,7 +400,11 @@ w1 = single_mode_harmonics(etas, 2)
 w2 = doubled_mode_harmonics(etas, 2)
 mean = {"single": w1[:, 0].real, "doubled, dark": w2[:, 0].real}
 mean["doubled, bright"] = 1 - mean["doubled, dark"]  # the other port, the same swing
-swing = {"single": abs(w1[:, 1]), "doubled, dark": abs(w2[:, 2]), "doubled, bright": abs(w2[:, 2])}
+swing = {
+    "single": abs(w1[:, 1]),
+    "doubled, dark": abs(w2[:, 2]),
+    "doubled, bright": abs(w2[:, 2]),
+}
 signal_ratio = [(jv(2, 2 * e) / jv(1, 2 * e)) ** 2 for e in (eta, np.pi / 4)]
 
 # %% tags=["hide-input"]
@@ -355,13 +414,17 @@ for name, colour in zip(mean, ("C0", "C1", "C3"), strict=True):
     axes[0].plot(etas, mean[name] ** 2, label=name, **style)
     axes[1].plot(etas, 2 * swing[name] ** 2 / mean[name] ** 2, **style)
     axes[2].plot(etas, 2 * swing[name] ** 2, **style)
-for ax, title in zip(axes, ("throughput, $W_0^2$", "contrast", "signal, $2|W_m|^2$"), strict=True):
+for ax, title in zip(
+    axes, ("throughput, $W_0^2$", "contrast", "signal, $2|W_m|^2$"), strict=True
+):
     ax.set(title=title, xlabel="drive amplitude η (rad)", xlim=(0, 2))
     plotting.mark(ax, x=eta, text="0.26")
     plotting.mark(ax, x=np.pi / 4, text="π/4")
 axes[0].legend(fontsize="small")
 plotting.label_panels(axes)
-contrast = [correlation_contrast(w, w) for w in (spectra["single"], spectra["doubled"][::2])]
+contrast = [
+    correlation_contrast(w, w) for w in (spectra["single"], spectra["doubled"][::2])
+]
 plotting.save(
     figure,
     "modulator_eta",
@@ -375,7 +438,9 @@ plotting.save(
     "doubled mode's grows from zero, the bright one's falls from one. The doubled mode's contrast "
     "falls slowly from one half with dark bias. The signals peak near 0.9 and 1.5.",
 )
-print(f"contrast of two modules at η = {eta}: {contrast[0]:.3f} single, {contrast[1]:.2f} doubled")
+print(
+    f"contrast of two modules at η = {eta}: {contrast[0]:.3f} single, {contrast[1]:.2f} doubled"
+)
 weak, strong = signal_ratio
 print(f"signal, doubled over single: {weak:.1%} at η = {eta}, {strong:.0%} at π/4")
 
@@ -432,7 +497,11 @@ FAST_BANDWIDTH = 12e9  # Hz, of the fast detector ET-4000 (Sec. 7.4)
 
 
 def light_depth(
-    order, *, frequency=SINGLE.frequency, angle=SINGLE.half_wave_angle, dbm=settings.drive_power
+    order,
+    *,
+    frequency=SINGLE.frequency,
+    angle=SINGLE.half_wave_angle,
+    dbm=settings.drive_power,
 ):
     """Amplitude of a harmonic over the mean, the detector's bandwidth divided out."""
     knobs = RfKnobs(on=True, frequency=frequency, power=dbm)
@@ -442,7 +511,9 @@ def light_depth(
 
 
 plate = np.deg2rad(np.linspace(0, 45, turns))
-by_plate = {order: np.array([light_depth(order, angle=a) for a in plate]) for order in (1, 2)}
+by_plate = {
+    order: np.array([light_depth(order, angle=a) for a in plate]) for order in (1, 2)
+}
 steps = np.linspace(10, 30, powers).round(1)
 by_power = {}
 for name, mode in modes.items():
@@ -464,7 +535,9 @@ for order, size, wave, colour in ((1, j1, np.sin, "C0"), (2, j2, np.cos, "C1")):
     look = {"color": colour, "log": "", "bound_label": "closed form" * (order == 1)}
     line = (np.rad2deg(fine), closed(fine))
     x = np.rad2deg(plate)
-    plotting.sweep(axes[0], x, by_plate[order], bound=line, label=f"$m_{order}$", **look)
+    plotting.sweep(
+        axes[0], x, by_plate[order], bound=line, label=f"$m_{order}$", **look
+    )
 for name, told in zip(modes, ("closed form", ""), strict=True):
     look = {"color": COLOURS[name], "log": "", "label": name, "bound_label": told}
     plotting.sweep(axes[1], steps, by_power[name], bound=(steps, law[name]), **look)

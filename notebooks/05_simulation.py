@@ -11,7 +11,9 @@
 profile: str = "book"  # size profile
 seed: int = 0  # of all noise
 frame_name: str = "still_life"  # embedded frame
-ambient_noise: float = 2000.0  # Gaussian σ of the paper's setting with ambient light, counts
+ambient_noise: float = (
+    2000.0  # Gaussian σ of the paper's setting with ambient light, counts
+)
 draws: int = 200_000  # pixels drawn at each brightness for the noise curves
 order: int = 5  # highest octave of the Fourier features, E_C of Eq. 5
 
@@ -142,7 +144,9 @@ for name in embedded_frames():
     phase_error = np.abs(centred(phi - phase_from_depth(z, f1))).max()
     depth_error = np.abs(depth_from_wraps(phi, wraps, f1) - z).max()
     moved = int(np.sum(wraps != wrap_count_from_depth(z, f1)))
-    print(f"{name}: phase {1e6 * phase_error:.1f} µrad, depth {1e9 * depth_error:.1f} nm")
+    print(
+        f"{name}: phase {1e6 * phase_error:.1f} µrad, depth {1e9 * depth_error:.1f} nm"
+    )
     print(f"   pixels that rounding moved across a wrap's boundary: {moved}")
 
 # %% [markdown]
@@ -186,8 +190,12 @@ for (name, (_, sigma)), marker in zip(settings.items(), "os^", strict=True):
     axes[0].plot(levels, spread[name], marker, ms=5, label=name)
     if sigma == NOISE_SIGMA:
         axes[1].plot(levels, 100 * np.array(kept[name]), marker + "-", label=name)
-axes[0].set(xscale="log", yscale="log", ylabel="spread of the phase (rad)", title="noise")
-axes[1].set(xscale="log", ylabel="mean decoded signal (%)", ylim=(40, 110), title="clipping")
+axes[0].set(
+    xscale="log", yscale="log", ylabel="spread of the phase (rad)", title="noise"
+)
+axes[1].set(
+    xscale="log", ylabel="mean decoded signal (%)", ylim=(40, 110), title="clipping"
+)
 for ax in axes:
     ax.set(xlabel="brightness I")
     ax.legend(fontsize="small")
@@ -247,10 +255,16 @@ rows = []
 for protocol in ("released", "full"):
     one = quiet[frame_name, protocol]
     first, last = (round(edge / wrap_length(f1)) for edge in one.range)
-    used, sizes = np.unique(wrap_count_from_depth(one.depth[one.mask], f1), return_counts=True)
+    used, sizes = np.unique(
+        wrap_count_from_depth(one.depth[one.mask], f1), return_counts=True
+    )
     commonest = f"{sizes.max() / sizes.sum():.1%}"
-    rows.append((protocol, last - first, used.size, f"{one.mask.mean():.0%}", commonest))
-notes.table([f"`{frame_name}`", "classes", "that occur", "scored", "commonest class"], rows)
+    rows.append(
+        (protocol, last - first, used.size, f"{one.mask.mean():.0%}", commonest)
+    )
+notes.table(
+    [f"`{frame_name}`", "classes", "that occur", "scored", "commonest class"], rows
+)
 
 # %% tags=["hide-input"]
 figure, axes = plotting.grid(len(quiet), 3, height / width)
@@ -304,12 +318,18 @@ octaves = 2.0 ** np.arange(order + 1)
 multiples = ["φ", *(f"{2**k}φ" for k in range(1, order + 1))]
 remains = [np.cos(k * error[scored]).mean() for k in octaves]
 remains_bright = [np.cos(k * error[bright]).mean() for k in octaves]
-remains_white = np.exp(-((octaves * phase_spread(float(simulated_phase_noise(1.0)))) ** 2) / 2)
+remains_white = np.exp(
+    -((octaves * phase_spread(float(simulated_phase_noise(1.0)))) ** 2) / 2
+)
 rows = [
     (name, *(f"{x:.1%}" for x in kept))
-    for name, *kept in zip(multiples, remains, remains_bright, remains_white, strict=True)
+    for name, *kept in zip(
+        multiples, remains, remains_bright, remains_white, strict=True
+    )
 ]
-notes.table(["kept of the cosine of", "whole frame", "brightest tenth", "white pixels"], rows)
+notes.table(
+    ["kept of the cosine of", "whole frame", "brightest tenth", "white pixels"], rows
+)
 
 
 # %% tags=["hide-input"]
@@ -324,7 +344,9 @@ def signed_maps(pictures, titles, end):
 
 
 stacks = [fourier_features(held.phase[0], order)[::4] for held in (exact, measured)]
-titles = [f"cos {m}" for m in multiples] + [f"noisy: {100 * k:.0f} % left" for k in remains]
+titles = [f"cos {m}" for m in multiples] + [
+    f"noisy: {100 * k:.0f} % left" for k in remains
+]
 figure, axes = signed_maps([*stacks[0], *stacks[1]], titles[::2], 1)
 plotting.save(
     figure,
@@ -369,7 +391,11 @@ print(
 
 # %% tags=["hide-input"]
 names = ["left", "above", "above left", "below left"]
-titles = ["naive, left", *(f"wrapped, {name}" for name in names), "wrapped, left, noisy"]
+titles = [
+    "naive, left",
+    *(f"wrapped, {name}" for name in names),
+    "wrapped, left, noisy",
+]
 figure, axes = signed_maps([naive, *edges, noisy_edges[0]], titles, np.pi)
 plotting.label_panels(axes)
 plotting.save(
@@ -396,12 +422,16 @@ plotting.save(
 # %%
 given = np.stack([np.log1p(measured.amplitude), measured.phase], axis=1)
 edges_of = phase_edges(measured.phase)
-inputs = np.concatenate([given, fourier_features(measured.phase, order), edges_of], axis=1)
+inputs = np.concatenate(
+    [given, fourier_features(measured.phase, order), edges_of], axis=1
+)
 channels = inputs.shape[0] * inputs.shape[1]
 
 # %% tags=["hide-input"]
 low, high = inputs
-target = np.where(scored, wrap_count_from_depth(np.nan_to_num(measured.depth), f1), np.nan)
+target = np.where(
+    scored, wrap_count_from_depth(np.nan_to_num(measured.depth), f1), np.nan
+)
 tiles = {
     "log amplitude": (low[0], "gray"),
     "phase φ": (low[1], plotting.PHASE_CMAP),
@@ -482,5 +512,7 @@ round(float(error[lit].std() / np.sqrt(np.mean(law**2))), 1)
 # %% tags=["hide-cell"]
 # About one in a hundred, the odds of a single pixel.
 found = beat_depth(np.angle(beat_phasor(measured)), measured)
-wraps = [consistent_wrap_count(z, measured.phase[0], f1) for z in (found, measured.depth)]
+wraps = [
+    consistent_wrap_count(z, measured.phase[0], f1) for z in (found, measured.depth)
+]
 round(float(np.mean((wraps[0] == wraps[1])[scored])), 2)

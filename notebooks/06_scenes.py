@@ -75,7 +75,9 @@ exact = one.picture.depth
 numbers = (one.picture.instance * 37) % 61
 objects = np.where(one.picture.instance < 0, np.nan, numbers)
 figure, axes = plotting.grid(3, 3, height / width)
-plotting.image(axes[0], tone_mapped(one.picture.color), label="", title="colour", bar=False)
+plotting.image(
+    axes[0], tone_mapped(one.picture.color), label="", title="colour", bar=False
+)
 plotting.image(axes[1], exact, label="range (m)", title="range along the ray")
 plotting.image(axes[2], objects, label="", title="objects", cmap="tab20", bar=False)
 plotting.label_panels(axes)
@@ -99,14 +101,18 @@ HYPERSIM = {
     "range (m)": {5: 1.27, 25: 3.0, 50: 4.8, 75: 7.8, 95: 23.0},
 }
 ours = {
-    "brightness": np.concatenate([brightness(view.picture.color).ravel() for view in shown]),
+    "brightness": np.concatenate(
+        [brightness(view.picture.color).ravel() for view in shown]
+    ),
     "range (m)": np.concatenate([view.frame.depth.ravel() for view in shown]),
 }
 rows = []
 for name, published in HYPERSIM.items():
     found = np.nanpercentile(ours[name], list(published))
     for (at, value), mine in zip(published.items(), found, strict=True):
-        rows.append([f"{name}, {at} %", f"{value:.3g}", f"{mine:.3g}", f"{mine / value:.2f}"])
+        rows.append(
+            [f"{name}, {at} %", f"{value:.3g}", f"{mine:.3g}", f"{mine / value:.2f}"]
+        )
 notes.table(["percentile", "Hypersim", "these rooms", "ratio"], rows)
 print(f"beyond 7.5 m: {np.mean(ours['range (m)'] > 7.5):.0%} of the pixels")
 
@@ -133,10 +139,16 @@ samples = {
     name: [np.concatenate(part) for part in zip(*map(hardness, depths), strict=True)]
     for name, depths in sets.items()
 }
-labels = ("slope within a surface (wraps/px)", "jump at its end (wraps)", "its size (px)")
+labels = (
+    "slope within a surface (wraps/px)",
+    "jump at its end (wraps)",
+    "its size (px)",
+)
 medians = {name: [np.median(part) for part in parts] for name, parts in samples.items()}
 steep = np.mean(samples["rooms"][0] > 0.5)
-rows = [[k, *(f"{v[i]:.{i + 3}g}" for v in medians.values())] for i, k in enumerate(labels)]
+rows = [
+    [k, *(f"{v[i]:.{i + 3}g}" for v in medians.values())] for i, k in enumerate(labels)
+]
 notes.table(["median", *medians], rows)
 print(f"{steep:.1%} of neighbours in rooms differ by more than half a wrap")
 
@@ -172,7 +184,9 @@ distance = np.array([1.5, 3.0, 6.0], np.float16)
 steps = np.spacing(distance).astype(float)
 for z, step in zip(distance, steps, strict=True):
     turns = phase_from_depth(step, FREQUENCIES)
-    print(f"at {z:.1f} m: steps of {1e3 * step:.2f} mm, {turns[0]:.2f} and {turns[1]:.2f} rad")
+    print(
+        f"at {z:.1f} m: steps of {1e3 * step:.2f} mm, {turns[0]:.2f} and {turns[1]:.2f} rad"
+    )
 off = exact.astype(np.float16).astype(float) - exact
 flat = ~bends(exact) & np.isfinite(exact)
 rms = np.sqrt(np.mean(phase_from_depth(off[flat], FREQUENCY_SINGLE) ** 2))

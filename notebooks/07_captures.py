@@ -95,15 +95,24 @@ def wall_of(depth):
     q = np.array([0.5, 1 / np.percentile(depth, 90), 0.0, 0.0])
     for step in range(12):  # first what lies behind pulls, then what lies near
         off = depth - model(q)
-        weight = np.where(off > 0, 1.0, 0.1) if step < 6 else (np.abs(off) < 0.01).astype(float)
-        q = optimize.least_squares(lambda q, w=weight: (w * (depth - model(q))).ravel(), q).x
+        weight = (
+            np.where(off > 0, 1.0, 0.1)
+            if step < 6
+            else (np.abs(off) < 0.01).astype(float)
+        )
+        q = optimize.least_squares(
+            lambda q, w=weight: (w * (depth - model(q))).ravel(), q
+        ).x
     focal = width / abs(q[0])
-    return np.abs(depth - model(q)) < 0.01, np.array([focal, focal, width / 2, height / 2])
+    return np.abs(depth - model(q)) < 0.01, np.array(
+        [focal, focal, width / 2, height / 2]
+    )
 
 
 walls = {name: wall_of(references[name]) for name in names}
 residual = {name: noise.local_residual(phases[name], window=window) for name in names}
-margin = np.ones((window + fit_window - 1,) * 2)  # no fit to an averaged map sees an object
+# no fit to an averaged map sees an object
+margin = np.ones((window + fit_window - 1,) * 2)
 inside = {
     name: ndimage.binary_erosion(walls[name][0], margin) & np.isfinite(residual[name])
     for name in names
@@ -129,11 +138,15 @@ for name, phase in phases.items():
     sigma[name] = noise.typical_phase_noise(phase, inside[name], window=fit_window)
     matched[name] = float(noise.sigma_from_phase_noise(sigma[name]))
     smooth[name] = noise.denoise(phase, window=fit_window)
-    wraps = consistent_wrap_count(references[name], smooth[name].phase, FREQUENCY_SINGLE)
+    wraps = consistent_wrap_count(
+        references[name], smooth[name].phase, FREQUENCY_SINGLE
+    )
     depth = depth_from_wraps(smooth[name].phase, wraps, FREQUENCY_SINGLE)
     scene = Frame(depth, np.ones(depth.shape))
     how = {"protocol": "full", "noise": matched[name]}
-    maps = [cmtof.simulate(scene, seed=seed, frame_number=k, **how) for k in range(draws)]
+    maps = [
+        cmtof.simulate(scene, seed=seed, frame_number=k, **how) for k in range(draws)
+    ]
     simulated[name] = [one.phase[0].astype(float) for one in maps]
     print(f"{name}: σ = {matched[name]:.0f} counts at I = 1")
 single = 1e6 * depth_from_phase(list(sigma.values()), FREQUENCY_SINGLE)
@@ -167,7 +180,10 @@ plotting.save(
 # of neighbours, and a fifth of its size in the average of 5×5 phasors, less the local slope.
 
 # %% tags=["hide-input"]
-local = {name: noise.local_phase_noise(phase, window=fit_window) for name, phase in phases.items()}
+local = {
+    name: noise.local_phase_noise(phase, window=fit_window)
+    for name, phase in phases.items()
+}
 neighbours = {}
 after = {}
 few = (slice(fit_window // 2, None, fit_window),) * 2  # windows that share no pixel
@@ -182,8 +198,13 @@ for name in names:
     coarse = noise.local_phase_noise(smooth[name].phase[few], window=3)
     flat = ndimage.binary_erosion(where[few], np.ones((3, 3))) & np.isfinite(coarse)
     after[name] = np.median(coarse[flat]) / np.sqrt(stats.chi2.median(3) / 3)
-    print(f"{name}: neighbours' correlation", *(f"{round(r, 2) + 0:.2f}" for r in neighbours[name]))
-    print(f"  averaged {after[name]:.3f} rad, {sigma[name] / fit_window:.3f} if it were white")
+    print(
+        f"{name}: neighbours' correlation",
+        *(f"{round(r, 2) + 0:.2f}" for r in neighbours[name]),
+    )
+    print(
+        f"  averaged {after[name]:.3f} rad, {sigma[name] / fit_window:.3f} if it were white"
+    )
 
 # %% tags=["hide-input"]
 freedom = fit_window**2 - 6
@@ -194,10 +215,17 @@ ax = below.subplots()
 panels = above.subplots(1, count, squeeze=False)[0]
 for panel, name, colour in zip(panels, names, colours, strict=False):
     plotting.image(
-        panel, local[name], label="", title=f"{name}, {source}", limits=(0, 0.6), bar=False
+        panel,
+        local[name],
+        label="",
+        title=f"{name}, {source}",
+        limits=(0, 0.6),
+        bar=False,
     )
     panel.contour(inside[name], levels=[0.5], colors="white", linewidths=1.2)
-    density, edges = np.histogram(local[name][inside[name]], 64, (0, 0.32), density=True)
+    density, edges = np.histogram(
+        local[name][inside[name]], 64, (0, 0.32), density=True
+    )
     ax.stairs(density, edges, color=colour, alpha=0.3, fill=True)
     law = stats.chi2.pdf(freedom * (x / sigma[name]) ** 2, freedom)
     label = f"{name}: {sigma[name]:.3f} rad"
@@ -231,8 +259,12 @@ plotting.save(
 
 # %%
 for name, value in sigma.items():
-    least, equal = (noise.intensity_from_phase_noise(value, s) for s in (0.0, NOISE_SIGMA))
-    print(f"{name}: I = {least:.4f} by photons alone, {equal:.2f} at σ = {NOISE_SIGMA:.0f}")
+    least, equal = (
+        noise.intensity_from_phase_noise(value, s) for s in (0.0, NOISE_SIGMA)
+    )
+    print(
+        f"{name}: I = {least:.4f} by photons alone, {equal:.2f} at σ = {NOISE_SIGMA:.0f}"
+    )
 
 # %% [markdown]
 # ## From phase to depth
@@ -245,7 +277,9 @@ for name, value in sigma.items():
 
 # %% tags=["hide-input"]
 def unwrapped(phase, region):
-    return np.ma.filled(unwrap_phase(np.ma.masked_array(np.float32(phase), ~region), rng=0), np.nan)
+    return np.ma.filled(
+        unwrap_phase(np.ma.masked_array(np.float32(phase), ~region), rng=0), np.nan
+    )
 
 
 def pinned(phase, region, reference):
@@ -255,7 +289,9 @@ def pinned(phase, region, reference):
     pieces, number = ndimage.label(region)
     for piece in (pieces == k for k in range(1, number + 1)):
         if piece.sum() >= 25:
-            off = np.median((phase_from_depth(reference, FREQUENCY_SINGLE) - relative)[piece])
+            off = np.median(
+                (phase_from_depth(reference, FREQUENCY_SINGLE) - relative)[piece]
+            )
             total[piece] = relative[piece] + TAU * np.rint(off / TAU)
     return total
 
@@ -284,7 +320,9 @@ for name in names:
     turns = (depths[name] - references[name]) / WRAP
     objects = turns[~walls[name][0] & np.isfinite(turns)]
     low, high = np.percentile(objects, [5, 95])
-    rows.append([name, f"{abs(vector):.3f}", f"{offset:.2f}", f"{low:.1f} to {high:.1f}"])
+    rows.append(
+        [name, f"{abs(vector):.3f}", f"{offset:.2f}", f"{low:.1f} to {high:.1f}"]
+    )
 notes.table(["", "length", "offset of the wall (mm)", "objects off by (wraps)"], rows)
 
 # %% tags=["hide-input"]
@@ -293,7 +331,9 @@ shown = [*depths.values(), *((depths[n] - references[n]) / WRAP for n in names)]
 figure, axes = plotting.grid(2 * count, max(count, 2), 0.85)
 for ax, values, title in zip(axes, shown, titles, strict=True):
     wraps = {"cmap": "RdBu_r", "limits": (-1.5, 1.5)} if "minus" in title else {}
-    plotting.image(ax, values, label="wraps" if wraps else "depth (m)", title=title, **wraps)
+    plotting.image(
+        ax, values, label="wraps" if wraps else "depth (m)", title=title, **wraps
+    )
 plotting.save(
     figure,
     "capture_depth",
@@ -364,7 +404,9 @@ for name in names:
         wrapped(smooth[name].phase + noise.noise_from_spectrum(spectrum, rng=rng))
         for _ in range(draws)
     ]
-    print(f"{name}:", ", ".join(f"{k} {v:.3f}" for k, v in lines[name]._asdict().items()))
+    print(
+        f"{name}:", ", ".join(f"{k} {v:.3f}" for k, v in lines[name]._asdict().items())
+    )
 left = {
     kind: {n: [noise.local_residual(p, window=window) for p in maps[n]] for n in names}
     for kind, maps in (("white", simulated), ("lines", with_lines))
@@ -379,13 +421,21 @@ drawn = {
 figure, axes = plt.subplots(1, 2, figsize=(8.4, 4.2), sharey=True)
 half = phases[names[0]].shape[0] // 2
 waves = np.arange(1, half) / (2 * half)
-for ax, axis, title in zip(axes, (1, 0), ("down the columns", "across the rows"), strict=True):
+for ax, axis, title in zip(
+    axes, (1, 0), ("down the columns", "across the rows"), strict=True
+):
     white = []
     for name, colour in zip(names, colours, strict=False):
         level = spectra[name].mean()
         white += [one.mean(axis)[1:half] / level for one in drawn["white"][name]]
         lined = np.mean(drawn["lines"][name], axis=0).mean(axis)[1:half] / level
-        ax.plot(waves, spectra[name].mean(axis)[1:half] / level, ".", color=colour, label=name)
+        ax.plot(
+            waves,
+            spectra[name].mean(axis)[1:half] / level,
+            ".",
+            color=colour,
+            label=name,
+        )
         ax.plot(waves, lined, color=colour)
     low, high = np.percentile(white, [5, 95], axis=0)
     ax.fill_between(waves, low, high, color="0.85", zorder=0, label="simulated, white")
@@ -424,10 +474,15 @@ def described(phase, r, where):
     limit = 3.5 * 1.4826 * np.median(np.abs(r[where]))
     return {
         f"rms about {window}×{window} fits (rad)": r[where].std(),
-        "correlation with the pixel below": np.corrcoef(r[:-1][down], r[1:][down])[0, 1],
-        "correlation with the pixel beside": np.corrcoef(r[:, :-1][across], r[:, 1:][across])[0, 1],
+        "correlation with the pixel below": np.corrcoef(r[:-1][down], r[1:][down])[
+            0, 1
+        ],
+        "correlation with the pixel beside": np.corrcoef(
+            r[:, :-1][across], r[:, 1:][across]
+        )[0, 1],
         f"noise of a typical {fit_window}×{fit_window} window (rad)": np.median(around),
-        "outliers on the wall, beyond 3.5 σ (%)": 100 * np.mean(np.abs(r[where]) > limit),
+        "outliers on the wall, beyond 3.5 σ (%)": 100
+        * np.mean(np.abs(r[where]) > limit),
         "the same, whole map (%)": 100 * np.mean(np.abs(r[np.isfinite(r)]) > limit),
     }
 
@@ -438,12 +493,17 @@ for n in names:
     for label, value in seen.items():
         table.setdefault(label, []).append(f"**{value:.3g}**")
     for kind, maps in (("white", simulated), ("lines", with_lines)):
-        each = [described(p, r, inside[n]) for p, r in zip(maps[n], left[kind][n], strict=True)]
+        each = [
+            described(p, r, inside[n])
+            for p, r in zip(maps[n], left[kind][n], strict=True)
+        ]
         for label, value in seen.items():
             values = np.array([one[label] for one in each])
             off = abs(value - values.mean()) > 4 * values.std(ddof=1)
             table[label][-1] += " / " + int(off) * "≠\u00a0" + f"{values.mean():.3g}"
-notes.table([f"**{source}** / white / lines", *names], [[k, *v] for k, v in table.items()])
+notes.table(
+    [f"**{source}** / white / lines", *names], [[k, *v] for k, v in table.items()]
+)
 
 # %% [markdown]
 # **Reproduced**: the size of the noise, by a choice of σ. **Not reproduced**: its grain. The

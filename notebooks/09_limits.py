@@ -92,7 +92,9 @@ for ax, protocol in zip(axes, PROTOCOLS, strict=True):
             color=name,
             label=label,
         )
-    ax.set(xscale="log", xlabel="side of the window (px)", title=protocol, ylim=(0, 100))
+    ax.set(
+        xscale="log", xlabel="side of the window (px)", title=protocol, ylim=(0, 100)
+    )
 axes[0].set_ylabel("δ < 1 (%)")
 axes[0].legend()
 plotting.label_panels(axes)
@@ -137,9 +139,19 @@ for name in METHODS:
         cells += [f"{value[2]:.1f}", f"{value[3]:.1f}"]
     rows += [[f"`{name}`", *cells]] if any(cells) else []  # where it was counted
 notes.table(
-    ["%", *(f"{name}: {one}" for name in PROTOCOLS for one in ("δ < 1", "δ < 3", "δ ≥ 10"))], rows
+    [
+        "%",
+        *(
+            f"{name}: {one}"
+            for name in PROTOCOLS
+            for one in ("δ < 1", "δ < 3", "δ ≥ 10")
+        ),
+    ],
+    rows,
 )
-print(f"{len(counts)} test frames; 95 % over scenes; window of reference-field: {SIDE} px")
+print(
+    f"{len(counts)} test frames; 95 % over scenes; window of reference-field: {SIDE} px"
+)
 
 # %% [markdown]
 # The step from `reference-offset` to `reference-contact` is the gain from connections across
@@ -189,7 +201,9 @@ for light in (1.0, 0.1):
 
 def predicted(frame, measurement, number):
     """Sums of odds for phasors that are added up alike, and with the best weights."""
-    light = np.where(np.isfinite(measurement.depth), np.clip(frame.intensity, 1e-6, 1), 0)
+    light = np.where(
+        np.isfinite(measurement.depth), np.clip(frame.intensity, 1e-6, 1), 0
+    )
     noise = bounds.simulated_phase_noise(np.maximum(light, 1e-6))
     alike, weighted, amplitude = (
         np.bincount(number.ravel(), np.where(light > 0, values, 0).ravel())
@@ -221,7 +235,9 @@ for protocol in PROTOCOLS:
                 scored += pixels["consistent"].size
         shares = (found / scored, *(expected / scored))
         rows.append([protocol, name, *(f"{100 * share:.1f}" for share in shares)])
-notes.table(["protocol", "pooled by", "found, %", "predicted, %", "best weights, %"], rows)
+notes.table(
+    ["protocol", "pooled by", "found, %", "predicted, %", "best weights, %"], rows
+)
 
 # %% [markdown]
 # *Found* is the share of pixels whose measured phase gets the right number of turns. The references

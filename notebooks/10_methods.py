@@ -47,7 +47,9 @@ LARGE, SMALL, FULL, BRIGHT = CONDITIONS = (
     ("released", 300),
 )
 states = {name: method.state() for name, method in METHODS.items()}
-ready = [name for name, state in states.items() if state not in ("untrained", "no weights")]
+ready = [
+    name for name, state in states.items() if state not in ("untrained", "no weights")
+]
 
 # %% [markdown]
 # ## One room (Paper Fig. 10)
@@ -107,8 +109,24 @@ show_swipe(scenes[0], "fast-scnn", "surfaces")
 # errors that differ from pixel to pixel.
 
 # %% tags=["hide-input"]
-OTHERS = ["phasor", "crt", "one-step", "u-net", "deep-tof", "beat", "beat-guided", "region", "mrf"]
-OTHERS += ["mrf-graphcut", "hybrid", "reference-offset", "reference-contact", "reference-depth"]
+OTHERS = [
+    "phasor",
+    "crt",
+    "one-step",
+    "u-net",
+    "deep-tof",
+    "beat",
+    "beat-guided",
+    "region",
+    "mrf",
+]
+OTHERS += [
+    "mrf-graphcut",
+    "hybrid",
+    "reference-offset",
+    "reference-contact",
+    "reference-depth",
+]
 draw("fig10_others", OTHERS, "Other methods, and references.", folded=True)
 
 # %% [markdown]
@@ -133,7 +151,10 @@ draw("fig10_others", OTHERS, "Other methods, and references.", folded=True)
 # in [He et al. 2013](../book/references.bib#he2013).
 
 # %% tags=["hide-input"]
-rows = [[f"`{name}`", states[name], one.summary, one.source] for name, one in METHODS.items()]
+rows = [
+    [f"`{name}`", states[name], one.summary, one.source]
+    for name, one in METHODS.items()
+]
 notes.table(["method", "state", "what it does", "source"], rows)
 
 # %% [markdown]
@@ -146,9 +167,16 @@ notes.table(["method", "state", "what it does", "source"], rows)
 # < 2 / < 3, on its own scenes.
 
 # %% tags=["hide-input"]
-counts = {key: read_counts(Path(results) / f"table2_{key[0]}_{key[1]}.json") for key in CONDITIONS}
+counts = {
+    key: read_counts(Path(results) / f"table2_{key[0]}_{key[1]}.json")
+    for key in CONDITIONS
+}
 found = {
-    key: {name: rates(held, name, draws=draws) for name in held[0]["methods"] if name in ready}
+    key: {
+        name: rates(held, name, draws=draws)
+        for name in held[0]["methods"]
+        if name in ready
+    }
     for key, held in counts.items()
     if held
 }
@@ -165,7 +193,8 @@ def show(key):
         first = f"{100 * value[0]:.1f} ({100 * low[0]:.1f}–{100 * high[0]:.1f})"
         said = "\u00a0/\u00a0".join(f"{x:.1f}" for x in theirs.get(name, ()))
         rows.append([f"`{name}`", first, *(f"{100 * x:.1f}" for x in value[1:]), said])
-    shown = slice(None) if key == LARGE else slice(-1)  # the paper has no smaller images
+    # the paper has no smaller images
+    shown = slice(None) if key == LARGE else slice(-1)
     head = ["", "δ < 1", "δ < 2", "δ < 3", "δ ≥ 10", "consistent", "paper"]
     notes.table(head[shown], [row[shown] for row in rows])
     print(f"{key[0]}, σ = {key[1]}: {len(counts[key])} frames")
@@ -197,7 +226,12 @@ show(BRIGHT)
 # %% tags=["hide-input"]
 table = found.get(LARGE, {})
 order = sorted(table, key=lambda name: -float(table[name].value[0]))
-kinds = {"classical": "blue", "learned": "vermillion", "trivial": "black", "reference": "green"}
+kinds = {
+    "classical": "blue",
+    "learned": "vermillion",
+    "trivial": "black",
+    "reference": "green",
+}
 figure, ax = plt.subplots(figsize=(8.0, 0.27 * len(order) + 1.0))
 plotting.intervals(
     ax,
@@ -228,10 +262,14 @@ plotting.save(
 # pools, and over what. `mode` is the best constant answer for each image, its most frequent true
 # wrap, and needs the truth. The differences to it show which rows read more than a good guess.
 
-# %%
+# %% tags=["hide-input"]
 noise = bounds.simulated_phase_noise(1.0)
-print(f"one white pixel: {bounds.wrap_noise(noise, noise, frequencies=FREQUENCIES):.1f} wraps")
-for name in (name for name in (*PAPERS.values(), "beat", "mrf", "surfaces") if name in table):
+print(
+    f"one white pixel: {bounds.wrap_noise(noise, noise, frequencies=FREQUENCIES):.1f} wraps"
+)
+for name in (
+    name for name in (*PAPERS.values(), "beat", "mrf", "surfaces") if name in table
+):
     apart = rates(counts[LARGE], name, against="mode", draws=draws)
     value, low, high = (100 * float(part[0]) for part in apart)
     print(f"{name:>10} − mode: {value:+5.1f} points ({low:+.1f} to {high:+.1f})")
@@ -267,7 +305,9 @@ notes.table(["method", "mean confidence, %", "right, %", "calibration error, %"]
 
 # %% tags=["hide-input"]
 path = Path(results) / "methods_cost.json"
-cost = json.loads(path.read_text(encoding="utf-8")) if path.is_file() else {"methods": {}}
+cost = (
+    json.loads(path.read_text(encoding="utf-8")) if path.is_file() else {"methods": {}}
+)
 rows = []
 for name in (name for name in METHODS if name in cost["methods"]):
     one = cost["methods"][name]
@@ -301,7 +341,9 @@ COLUMNS = ("delta_lt_1", "delta_lt_2", "delta_lt_3", "delta_ge_10")
 inside = []  # whether the paper's value lies in our interval
 for row, name in PAPERS.items():
     ends = np.array(table[name])[:, :4]  # value, low and high of each rate
-    shares = dict(zip(COLUMNS, ends.T, strict=True)) | {"delta_ge_3": 1 - ends[[0, 2, 1], 2]}
+    shares = dict(zip(COLUMNS, ends.T, strict=True)) | {
+        "delta_ge_3": 1 - ends[[0, 2, 1], 2]
+    }
     for column, share in shares.items():
         key = f"table2.{row}.{column}"
         paper.check(key, share, crops=crops.get(name, 0))
@@ -314,13 +356,17 @@ for name in ("crt", "kde"):
     paper.check(f"sec8.{name}_outliers", outliers)
 
 
-# %%
+# %% tags=["hide-input"]
 def redrawn(held, names):
     """Shares δ < 1 (methods, 1 + draws): of all frames, and of sets of frames drawn again."""
     frames = np.random.default_rng(seed).integers(len(held), size=(draws, len(held)))
     frames = np.stack([np.arange(len(held)), *frames])
-    pixels = np.array([[frame["methods"][name]["pixels"] for frame in held] for name in names])
-    right = np.array([[frame["methods"][name]["below"][0] for frame in held] for name in names])
+    pixels = np.array(
+        [[frame["methods"][name]["pixels"] for frame in held] for name in names]
+    )
+    right = np.array(
+        [[frame["methods"][name]["below"][0] for frame in held] for name in names]
+    )
     return right[:, frames].sum(-1) / pixels[:, frames].sum(-1)
 
 
@@ -334,11 +380,16 @@ first = counts[LARGE]
 fewest = min(crops.values())
 share = dict(zip(PAPERS.values(), redrawn(first, list(PAPERS.values())), strict=True))
 apart = [
-    (one, other) for one in theirs for other in theirs if theirs[one][0] > theirs[other][0] + 2
+    (one, other)
+    for one in theirs
+    for other in theirs
+    if theirs[one][0] > theirs[other][0] + 2
 ]
 kept = np.mean([share[one] > share[other] for one, other in apart], axis=0)
 paper.check("sec8.order", interval(kept), crops=fewest)
-(alike,) = redrawn(read_counts(Path(results) / f"table1_{LARGE[0]}_{LARGE[1]}.json"), ["proposed"])
+(alike,) = redrawn(
+    read_counts(Path(results) / f"table1_{LARGE[0]}_{LARGE[1]}.json"), ["proposed"]
+)
 better = {
     "with the shipped weights": interval(share["fast-scnn"] / share["rapid"]),
     "at equal training": interval(alike / share["rapid"]),

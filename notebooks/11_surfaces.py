@@ -76,7 +76,9 @@ tried = {
     "6 and 7, the rest": found.depth,
 }
 errors = {name: wraps_off(depth) for name, depth in tried.items()}
-shares = {name: np.sum(error < 1) / measurement.mask.sum() for name, error in errors.items()}
+shares = {
+    name: np.sum(error < 1) / measurement.mask.sum() for name, error in errors.items()
+}
 print(f"{count} surfaces, {len(found.borders.first)} borders")
 
 # %% tags=["hide-input"]
@@ -98,7 +100,9 @@ plotting.image(axes[1], mean_depth(cells), label="", title="2 growth: cells", ba
 plotting.image(axes[2], mean_depth(found.label), label="", title="3 pixels", bar=False)
 for ax, (name, error) in zip(axes[3:], errors.items(), strict=True):
     title = f"{name}: {100 * shares[name]:.0f} % right"
-    plotting.image(ax, error, label="", title=title, cmap="magma", limits=(0, 10), bar=False)
+    plotting.image(
+        ax, error, label="", title=title, cmap="magma", limits=(0, 10), bar=False
+    )
 figure.colorbar(axes[3].images[0], ax=axes[3:], label="wraps off")
 figure.colorbar(axes[2].images[0], ax=axes[:3], label="depth (m)")
 plotting.save(
@@ -191,7 +195,9 @@ def offset_of_wall(side, draw):
     camera = np.array([FOCAL, FOCAL, side / 2, side / 2])
     depth = 3.0 * ray_lengths((side, side), camera)
     frame = Frame(depth, np.full(depth.shape, LIGHT), camera, "wall")
-    field = field_from_measurement(cmtof.simulate(frame, protocol="full", seed=seed + draw))
+    field = field_from_measurement(
+        cmtof.simulate(frame, protocol="full", seed=seed + draw)
+    )
     q = np.array([0, 0, 1 / 3.0, 0, 0, 0])
     boxes = np.array([[0, side, 0, side]])
     fit = refine(field, np.zeros((1, 1), np.int32), -1, q, boxes, PLANE, 2, 0)
@@ -229,7 +235,9 @@ plotting.save(
     "surfaces_shape",
     numbers={
         "beat": closed_form(beat_only),
-        "both": sum_over_draws(both, error=walls[..., 1].std(axis=1, ddof=1) / np.sqrt(trials)),
+        "both": sum_over_draws(
+            both, error=walls[..., 1].std(axis=1, ddof=1) / np.sqrt(trials)
+        ),
     },
     caption="Uncertainty of the whole wraps of a simulated frontal wall (σ = 1200, I = 0.3, focal "
     "length 887 px), predicted and found by fits of its plane.",
@@ -263,7 +271,13 @@ VARIANTS = {
     "±10 mrad between frequencies": [],
     "±10 mrad, beats not corrected": ["closure"],
 }
-FOUR = [(0.0, 0.01), (0.0, -0.01), (0.01, 0.0), (-0.01, 0.0)]  # rad, as in the paper's Table 3
+# rad, as in the paper's Table 3
+FOUR = [
+    (0.0, 0.01),
+    (0.0, -0.01),
+    (0.01, 0.0),
+    (-0.01, 0.0),
+]
 CHANGES = {"σ": [{"noise": 2000.0}], "±": [{"phase_offset": offset} for offset in FOUR]}
 held = {protocol: [measure(one, protocol) for one in places] for protocol in PROTOCOLS}
 ablation = {protocol: {} for protocol in PROTOCOLS}
@@ -271,8 +285,14 @@ answers = {protocol: [] for protocol in PROTOCOLS}
 for protocol, label in ((p, v) for p in PROTOCOLS for v in VARIANTS):
     scored = []
     changed = CHANGES.get(label[0], [])
-    for _, m in [measure(p, protocol, **c) for c in changed for p in places] or held[protocol]:
-        seen = m if label != "camera unknown" else cmtof.Measurement(m.dataset.drop_vars("camera"))
+    for _, m in [measure(p, protocol, **c) for c in changed for p in places] or held[
+        protocol
+    ]:
+        seen = (
+            m
+            if label != "camera unknown"
+            else cmtof.Measurement(m.dataset.drop_vars("camera"))
+        )
         answer = cmtof.unwrap(seen, method="surfaces", without=VARIANTS[label])
         scored.append(scored_pixels(answer, m))
         if label == "all of it":
@@ -339,7 +359,9 @@ notes.table([f"%, {len(counts)} test frames", *head], [*rows, GOALS])
 # %% tags=["hide-input"]
 living = {}
 for protocol in PROTOCOLS:
-    seen = json.loads((Path(results) / f"living_room_{protocol}.json").read_text("utf-8"))
+    seen = json.loads(
+        (Path(results) / f"living_room_{protocol}.json").read_text("utf-8")
+    )
     living[protocol] = seen["methods"]
 rows = [[f"`{name}`", *row(living, name)] for name in SHOWN if name in living["full"]]
 notes.table([f"%, {len(seen['frames'])} views", *head], [*rows, GOALS])
@@ -382,7 +404,8 @@ figure, axes = plt.subplots(1, 2, figsize=(8.4, 3.8))
 errors = {}
 for protocol, colour in zip(PROTOCOLS, (blue, green), strict=True):
     pixels = [
-        scored_pixels(a, m) for a, (_, m) in zip(answers[protocol], held[protocol], strict=True)
+        scored_pixels(a, m)
+        for a, (_, m) in zip(answers[protocol], held[protocol], strict=True)
     ]
     confidence = np.concatenate([one["confidence"] for one in pixels])
     right = np.concatenate([one["wrap_count"] == one["true_count"] for one in pixels])
@@ -394,13 +417,20 @@ for protocol, colour in zip(PROTOCOLS, (blue, green), strict=True):
     axes[0].plot(diagram.confidence, diagram.right, "o-", color=colour, label=label)
     shown = np.s_[::200]
     axes[1].plot(
-        100 * answered[shown] / right.size, 100 * risk[shown], color=colour, label=protocol
+        100 * answered[shown] / right.size,
+        100 * risk[shown],
+        color=colour,
+        label=protocol,
     )
 
 # %% tags=["hide-input"]
 axes[0].plot([0, 1], [0, 1], color="0.6", ls="--")
 axes[0].set(xlabel="confidence", ylabel="share right", xlim=(0, 1), ylim=(0, 1))
-axes[1].set(xlabel="pixels answered, surest first (%)", ylabel="of them wrong (%)", ylim=(0, None))
+axes[1].set(
+    xlabel="pixels answered, surest first (%)",
+    ylabel="of them wrong (%)",
+    ylim=(0, None),
+)
 for ax in axes:
     ax.legend()
 plotting.label_panels(axes)
@@ -427,8 +457,12 @@ rows = []
 for odds in answer["component_odds"].sel(offset=[0, 1, -1])[:5]:
     body = label == int(odds["number"])
     right = np.mean(wraps_off(found.depth)[body] < 1)
-    rows.append([body.sum(), *(f"{100 * one:.1f}" for one in (*odds.to_numpy(), right))])
-notes.table(["pixels", "odds: right, %", "a wrap farther", "a wrap nearer", "right, %"], rows)
+    rows.append(
+        [body.sum(), *(f"{100 * one:.1f}" for one in (*odds.to_numpy(), right))]
+    )
+notes.table(
+    ["pixels", "odds: right, %", "a wrap farther", "a wrap nearer", "right, %"], rows
+)
 
 # %% [markdown]
 # ## Sets of wraps
@@ -452,10 +486,19 @@ rows = []
 for method, conditions in held.items():
     for condition, one in conditions.items():
         mean = one["means"]
-        cells = [f"{100 * mean[name]:.1f} ± {100 * one['errors'][name]:.1f}" for name in shares]
+        cells = [
+            f"{100 * mean[name]:.1f} ± {100 * one['errors'][name]:.1f}"
+            for name in shares
+        ]
         cells += [f"{mean[name]:.1f}" for name in sizes]
         rows.append([f"`{method}`, {condition}", one["rooms"], *cells])
-titles = ["right, %", "in 90 % sets, %", "in 95 % sets, %", "wraps in 90 %", "wraps in 95 %"]
+titles = [
+    "right, %",
+    "in 90 % sets, %",
+    "in 95 % sets, %",
+    "wraps in 90 %",
+    "wraps in 95 %",
+]
 notes.table(["means over frames", "frames", *titles], rows)
 
 # %% [markdown]

@@ -22,7 +22,9 @@ offsets_low: list = [-50, -25, 25, 50]  # on 7.15 GHz, mrad
 calibrated: list = [-20, -15, -11, -6, -3, 0, 3, 6, 11, 15, 20]  # closures, mrad
 step: float = 1e6  # spacing of drives on the grid, for two and three frequencies, Hz
 step_four: float = 2e6  # the same for four frequencies, Hz
-draws: int = 2000  # simulated pixels behind each dot of the odds; sets of scenes for intervals
+draws: int = (
+    2000  # simulated pixels behind each dot of the odds; sets of scenes for intervals
+)
 dots: int = 6  # dots on each curve
 results: str = "../book/results"  # folder of counts over all test frames
 
@@ -99,14 +101,25 @@ drops = {
 cells = []
 for (name, row), found in table3.items():
     value, low, high = (100 * float(part[0]) for part in drops[name, row])
-    change = "" if row == "conventional" else f"{value:+.1f} ({low:+.1f} to {high:+.1f})"
+    change = (
+        "" if row == "conventional" else f"{value:+.1f} ({low:+.1f} to {high:+.1f})"
+    )
     shares = [*found.value[:3], 1 - found.value[2]]
-    cells.append([f"`{name}`", row.replace("_", " "), *(f"{100 * x:.1f}" for x in shares), change])
+    cells.append(
+        [
+            f"`{name}`",
+            row.replace("_", " "),
+            *(f"{100 * x:.1f}" for x in shares),
+            change,
+        ]
+    )
 for row in ROWS:
     theirs = [100 * paper.published(f"table3.{row}.{key}").value for key in LIMITS]
     label = ["*the paper's network*", row.replace("_", " ")]
     cells.append([*label, *(f"{x:.1f}" for x in theirs), ""])
-notes.table(["%", "noise", "δ < 1", "δ < 2", "δ < 3", "δ ≥ 3", "change of δ < 1"], cells)
+notes.table(
+    ["%", "noise", "δ < 1", "δ < 2", "δ < 3", "δ ≥ 3", "change of δ < 1"], cells
+)
 
 # %% [markdown]
 # An offset moves the beat, so that every method that reads it loses. This holds for the learned
@@ -143,7 +156,9 @@ def count_odds(moved, spread, limit=1):
     total = 0.0
     for sign, edge in ((1, limit), (-1, limit - 1), (-1, 1 - limit), (1, -limit)):
         x = (np.asarray(moved) + edge) / spread
-        total = total + sign * spread * (np.exp(-(x**2) / 2) / np.sqrt(TAU) + x * ndtr(x))
+        total = total + sign * spread * (
+            np.exp(-(x**2) / 2) / np.sqrt(TAU) + x * ndtr(x)
+        )
     return total
 
 
@@ -161,9 +176,13 @@ window = 41
 white = bounds.simulated_phase_noise(1.0)
 spread = bounds.wrap_noise(white, white, frequencies=FREQUENCIES) / window
 plain = wall(wall_side, 0.2, 0.97)
-inner = np.zeros((wall_side, wall_side), bool)  # windows at the border are reflected, not full
+# windows at the border are reflected, not full
+inner = np.zeros((wall_side, wall_side), bool)
 inner[window // 2 : -window // 2, window // 2 : -window // 2] = True
-wall_offsets = [(0.0, d / 1e3) for d in range(-30, 31, 10)] + [(0.01, 0.0), (-0.01, 0.0)]
+wall_offsets = [(0.0, d / 1e3) for d in range(-30, 31, 10)] + [
+    (0.01, 0.0),
+    (-0.01, 0.0),
+]
 wall_moved = np.array([wraps_moved(d) for d in wall_offsets])
 wall_rates = []
 for place, offset in enumerate(wall_offsets):
@@ -189,7 +208,9 @@ def ask(names=methods, **changes):
         m = cmtof.simulate(frame, seed=seed, frame_number=place, **changes)
         for name in names:
             pooled[name].append(scored_pixels(cmtof.unwrap(m, method=name), m))
-    counts = {n: np.concatenate([one["wrap_count"] for one in p]) for n, p in pooled.items()}
+    counts = {
+        n: np.concatenate([one["wrap_count"] for one in p]) for n, p in pooled.items()
+    }
     return {name: score(pixels) for name, pixels in pooled.items()}, counts
 
 
@@ -204,7 +225,8 @@ for column, values in ((1, offsets_high), (0, offsets_low)):
 curve = {name: [(0.0, unmoved[name]["delta_lt_1"], 0.0)] for name in methods}
 for offset, (found, counts) in runs.items():
     for name, count in counts.items():
-        free = np.abs(answers[name] - 46) < 6  # answers at the ends of the range cannot move
+        # answers at the ends of the range cannot move
+        free = np.abs(answers[name] - 46) < 6
         moved = np.mean((count - answers[name])[free]) if free.any() else 0.0
         curve[name].append((wraps_moved(offset), found[name]["delta_lt_1"], moved))
 curve = {name: np.array(sorted(points)) for name, points in curve.items()}
@@ -219,7 +241,15 @@ for limit, name in zip((1, 2, 3), ("blue", "vermillion", "green"), strict=True):
     axes[0].plot(wall_moved, values, "o", ms=4, color=colour[name])
 for name in methods:
     moved, rate, answer = curve[name].T
-    axes[1].plot(moved, 100 * rate, marks[name] + "-", ms=4, lw=1, color=colours[name], label=name)
+    axes[1].plot(
+        moved,
+        100 * rate,
+        marks[name] + "-",
+        ms=4,
+        lw=1,
+        color=colours[name],
+        label=name,
+    )
     axes[2].plot(moved, answer, marks[name] + "-", ms=4, lw=1, color=colours[name])
 axes[2].plot([-6, 6], [-6, 6], color=grey, ls=":")
 axes[0].set(title="a wall", ylabel="share (%)", xlabel="offset (wraps)")
@@ -258,7 +288,9 @@ plotting.save(
 
 # %% tags=["hide-input"]
 SIGMAS = (300, 600, 1200, 2000, 4000)  # counts
-stored = [read_counts(Path(results) / f"table2_released_{sigma}.json") for sigma in SIGMAS]
+stored = [
+    read_counts(Path(results) / f"table2_released_{sigma}.json") for sigma in SIGMAS
+]
 figure, ax = plt.subplots(figsize=(7, 4.2))
 for name in methods:
     found = [rates(counts, name, draws=draws) for counts in stored]
@@ -266,7 +298,7 @@ for name in methods:
     ax.fill_between(SIGMAS, least, most, color=colours[name], alpha=0.2, lw=0)
     ax.plot(SIGMAS, value, marks[name] + "-", ms=5, color=colours[name], label=name)
 plotting.mark(ax, x=NOISE_SIGMA, text="paper")
-ax.set(xlabel="Gaussian noise σ (counts)", ylabel="δ < 1 (%)", ylim=(0, 100))
+ax.set(xlabel="Gaussian noise σ (counts)", ylabel="δ < 1 (%)", ylim=(-6, 100))
 ax.legend(fontsize="small", ncols=2)
 plotting.save(
     figure,
@@ -285,25 +317,37 @@ plotting.save(
 
 
 # %% tags=["hide-input"]
+def within_period(closure):
+    """Closure, rad, less whole wraps."""
+    return np.remainder(closure + period / 2, period) - period / 2
+
+
+def closure_of_tile(relative, phasors, terms, middle):
+    """Closure and its spread, rad, of a smooth, bright surface; pixels last."""
+    fit = terms @ np.linalg.lstsq(terms, relative, rcond=None)[0]
+    turned = phasors * np.exp(-1j * np.outer([1, high / low], fit))
+    mean = np.angle(turned.sum(axis=1))
+    noise = np.std(np.angle(turned * np.exp(-1j * mean[:, None])), axis=1)
+    beat = middle + centred(mean[1] - 2 * mean[0] - middle)
+    spread = np.hypot(noise[1], 2 * noise[0]) / np.sqrt(fit.size)
+    return within_period(beat - detuning * mean[0]), spread
+
+
 def closures(measurement, tile):
     """Closure and its spread, rad, of every square tile of a smooth, bright target."""
     relative = relative_phase(measurement)
     phasors = measurement.amplitude * np.exp(1j * measurement.phase)
-    x = np.linspace(-1, 1, tile)
-    v, u = (axis.ravel() for axis in np.meshgrid(x, x, indexing="ij"))
-    terms = np.stack([v**i * u**j for i in range(5) for j in range(5 - i)], axis=1)
+    powers = [np.linspace(-1, 1, tile) ** k for k in range(5)]
+    terms = [
+        np.outer(powers[i], powers[j]).ravel() for i in range(5) for j in range(5 - i)
+    ]
+    terms = np.stack(terms, axis=1)
     middle = period * sum(measurement.range) / 2 / wrap
     found = []
-    for top in range(0, relative.shape[0] - tile + 1, tile):
-        for left in range(0, relative.shape[1] - tile + 1, tile):
-            area = (slice(top, top + tile), slice(left, left + tile))
-            fit = terms @ np.linalg.lstsq(terms, relative[area].ravel(), rcond=None)[0]
-            turned = phasors[:, *area].reshape(2, -1) * np.exp(-1j * np.outer([1, high / low], fit))
-            first, second = np.angle(turned.sum(axis=1))
-            noise = np.std(np.angle(turned * np.exp(-1j * np.array([[first], [second]]))), axis=1)
-            beat = middle + centred(second - 2 * first - middle)
-            value = np.remainder(beat - detuning * first + period / 2, period) - period / 2
-            found.append((value, np.hypot(noise[1], 2 * noise[0]) / tile))
+    for top, left in np.ndindex(*np.floor_divide(relative.shape, tile)):
+        area = np.s_[tile * top : tile * (top + 1), tile * left : tile * (left + 1)]
+        pixels = relative[area].ravel(), phasors[:, *area].reshape(2, -1)
+        found.append(closure_of_tile(*pixels, terms, middle))
     return np.array(found).T
 
 
@@ -313,7 +357,9 @@ def pooled_closure(value, width):
     rho = np.exp(-((turn * width) ** 2) / 2)
     lost = -np.expm1(-2 * (turn * width) ** 2)
     mean = np.sum(rho / lost * np.exp(1j * turn * value))
-    return float(np.angle(mean) / turn), float(1 / (turn * np.sqrt(np.sum(2 * rho**2 / lost))))
+    return float(np.angle(mean) / turn), float(
+        1 / (turn * np.sqrt(np.sum(2 * rho**2 / lost)))
+    )
 
 
 # %% tags=["hide-input"]
@@ -321,18 +367,26 @@ board = wall(384, 0.5, 0.9)
 restored = []
 for draw, value in enumerate(np.array(calibrated) / 1e3):
     m = cmtof.simulate(
-        board, protocol="full", phase_offset=(0, value), seed=seed + 1, frame_number=draw
+        board,
+        protocol="full",
+        phase_offset=(0, value),
+        seed=seed + 1,
+        frame_number=draw,
     )
     found, width = pooled_closure(*closures(m, 128))
     scored = {"before": [], "after": []}
     for place, frame in frames.items():
-        raw = cmtof.simulate(frame, phase_offset=(0, value), seed=seed, frame_number=place)
+        raw = cmtof.simulate(
+            frame, phase_offset=(0, value), seed=seed, frame_number=place
+        )
         psi = raw.dataset["psi"].to_numpy() + np.array([[0], [found]])
-        mended = raw.dataset.assign_coords(psi=(("frequency", "step"), psi, {"units": "rad"}))
+        mended = raw.dataset.assign_coords(
+            psi=(("frequency", "step"), psi, {"units": "rad"})
+        )
         for key, m in (("before", raw), ("after", cmtof.Measurement(mended))):
             scored[key].append(scored_pixels(cmtof.unwrap(m, method="beat"), m))
     restored.append((value, found, *(score(pixels) for pixels in scored.values())))
-error = [np.remainder(f - v + period / 2, period) - period / 2 for v, f, *_ in restored]
+error = [within_period(found - value) for value, found, *_ in restored]
 print(
     f"closure of a wall: rms error {1e3 * np.sqrt(np.mean(np.square(error))):.2f} mrad, "
     f"{1e3 * width:.2f} expected"
@@ -342,10 +396,12 @@ print(
 figure, axes = plt.subplots(1, 2, figsize=(8.4, 3.6))
 applied = 1e3 * np.array([row[0] for row in restored])
 fine = np.linspace(-22, 22, 1000)
-saw = np.remainder(fine + 500 * period, 1e3 * period) - 500 * period
+saw = 1e3 * within_period(fine / 1e3)
 saw[1:][np.abs(np.diff(saw)) > 5] = np.nan
 axes[0].plot(fine, saw, color=grey, lw=1.2)
-axes[0].plot(applied, [1e3 * row[1] for row in restored], "o", ms=5, color=colour["blue"])
+axes[0].plot(
+    applied, [1e3 * row[1] for row in restored], "o", ms=5, color=colour["blue"]
+)
 for label, index, name in (("as it is", 2, "vermillion"), ("calibrated", 3, "blue")):
     rate = [100 * row[index]["delta_lt_1"] for row in restored]
     axes[1].plot(applied, rate, "o-", ms=4, lw=1.3, color=colour[name], label=label)
@@ -400,7 +456,9 @@ plotting.save(
 def misfit(residual, f, noise):
     """Squared residual over its noise that no shift of the depth removes; frequencies first."""
     w = 1 / noise**2
-    shift = np.sum(w * f * residual, axis=0) ** 2 / np.sum(w * f * f + 0 * residual, axis=0)
+    shift = np.sum(w * f * residual, axis=0) ** 2 / np.sum(
+        w * f * f + 0 * residual, axis=0
+    )
     return np.maximum(np.sum(w * residual**2, axis=0) - shift, 0)
 
 
@@ -463,9 +521,12 @@ for case in ("equal", "doubled mode weak"):
         sets = tones[np.array(list(combinations(range(tones.size), size)))].T
         sets = sets[:, sets[0] < 1.5 * low]
         parts = np.array_split(sets, -(-sets.shape[1] // 2000), 1)
-        least = [least_pixels(*distances(part, noise_of(part, case), far)) for part in parts]
+        least = [
+            least_pixels(*distances(part, noise_of(part, case), far)) for part in parts
+        ]
         least = np.concatenate(least)
-        near = sets[:, np.argsort(least)[:64]]  # a close look at the most promising ones
+        # a close look at the most promising ones
+        near = sets[:, np.argsort(least)[:64]]
         found = enough_pixels(near, noise_of(near, case), far)
         best[case, size] = (tuple(near[:, found.argmin()]), found.min())
 
@@ -475,10 +536,13 @@ theirs = {
     for case in ("equal", "doubled mode weak")
 }
 rows = [
-    [case, "the paper's, 7.15 / 14.32", f"{pixels:,.0f}", "", ""] for case, pixels in theirs.items()
+    [case, "the paper's, 7.15 / 14.32", f"{pixels:,.0f}", "", ""]
+    for case, pixels in theirs.items()
 ]
 for (case, size), (f, pixels) in best.items():
-    gains = (theirs[case] / pixels / factor for factor in (1, size / 2, (size / 2) ** 2))
+    gains = (
+        theirs[case] / pixels / factor for factor in (1, size / 2, (size / 2) ** 2)
+    )
     cells = " / ".join(f"{gain:.1f}×" for gain in gains)
     rows.append(
         [
@@ -489,8 +553,14 @@ for (case, size), (f, pixels) in best.items():
             f"{relative_signal([f[-1]])[0]:.2f}",
         ]
     )
-head = ["noise", "frequencies (GHz)", "pixels for 95 %", "fewer: more time / photons / Gaussian"]
-notes.table([*head, "signal of the highest"], rows)
+head = [
+    "noise",
+    "frequencies (GHz)",
+    "pixels for 95 %",
+    "fewer: more time / photons / Gaussian",
+    "signal of the highest",
+]
+notes.table(head, rows)
 
 # %% [markdown]
 # The best sets for the paper's 7.49 m, white pixels and its noise. The gain over the paper's pair
@@ -510,19 +580,30 @@ kinds = {
 for label, (k, strength, name) in kinds.items():
     reached = beats[beats <= 20e6 * k]
     pairs_of = [(low, k * low + beat) for beat in reached]
-    values = [bounds.pixels_needed(white, white / strength, frequencies=f) for f in pairs_of]
+    values = [
+        bounds.pixels_needed(white, white / strength, frequencies=f) for f in pairs_of
+    ]
     ax.loglog(reached / 1e6, values, color=colour[name], label=label)
 known = {"phasor": (7.15e9, 7.16e9), "paper": FREQUENCIES, "wide": (7.14e9, 14.32e9)}
-pixels = {n: bounds.pixels_needed(white, white, frequencies=f) for n, f in known.items()}
+pixels = {
+    n: bounds.pixels_needed(white, white, frequencies=f) for n, f in known.items()
+}
 for name, f in known.items():
     place = abs(f[1] - round(f[1] / f[0]) * f[0]) / 1e6, pixels[name]
     ax.plot(*place, "kD", mfc="white")
     ax.annotate(name, place, (7, 6), textcoords="offset points", fontsize="small")
 ax.set(xlabel="beat Δ (MHz)", ylabel="pixels for 95 %")
 ax.legend(fontsize="small")
-look = {"origin": "lower", "extent": (-10.5, 10.5, -10.5, 10.5), "norm": LogNorm(1e3, 1e6)}
+look = {
+    "origin": "lower",
+    "extent": (-10.5, 10.5, -10.5, 10.5),
+    "norm": LogNorm(1e3, 1e6),
+}
 drawn = right.imshow(np.where(np.isfinite(maps[far]), maps[far], np.nan), **look)
-right.set(xlabel="single tone − 7.15 GHz (MHz)", ylabel="drive of the doubled − 7.15 GHz (MHz)")
+right.set(
+    xlabel="single tone − 7.15 GHz (MHz)",
+    ylabel="drive of the doubled − 7.15 GHz (MHz)",
+)
 right.grid(visible=False)
 figure.colorbar(drawn, ax=right, label="pixels for 95 %", extend="max", shrink=0.8)
 plotting.label_panels([ax, right])
@@ -546,23 +627,31 @@ plotting.save(
 
 
 # %% tags=["hide-input"]
+def likeliest_wraps(turns, f, noise):
+    """Wraps of the first frequency that fit the phases best, of all within the range."""
+
+    def cost(n):
+        off = turns - (f / f[0])[:, None] * (turns[0] + n)
+        rest = misfit(TAU * (off - np.rint(off)), f[:, None], noise[:, None])
+        return np.where((turns[0] + n) * wrap_length(f[0]) < far, rest, np.inf)
+
+    every = range(int(np.ceil(far / wrap_length(f[0]))))
+    return np.argmin([cost(n) for n in every], axis=0)
+
+
 def counted(f, noise, pooled, rng):
     """Share of right wraps among drawn depths, with its 95 % interval."""
     f = np.asarray(f, float)
     depth = rng.uniform(0, far, draws)
-    across, along = rng.normal(size=(2, f.size, draws)) * (noise / np.sqrt(pooled))[:, None]
-    phase = wrapped(phase_from_depth(depth, f[:, None]) + np.arctan2(across, 1 + along))
-    turns = phase / TAU
-    ratio = (f / f[0])[:, None]
-    least = np.full(draws, np.inf)
-    wraps = np.zeros(draws, int)
-    for n in range(int(np.ceil(far / wrap_length(f[0])))):
-        off = turns - ratio * (turns[0] + n)
-        cost = misfit(TAU * (off - np.rint(off)), f[:, None], noise[:, None])
-        better = (cost < least) & ((turns[0] + n) * wrap_length(f[0]) < far)
-        least = np.where(better, cost, least)
-        wraps = np.where(better, n, wraps)
-    right = int(np.sum(wraps == np.rint(depth / wrap_length(f[0]) - turns[0])))
+    across, along = (
+        rng.normal(size=(2, f.size, draws)) * (noise / np.sqrt(pooled))[:, None]
+    )
+    turns = (
+        wrapped(phase_from_depth(depth, f[:, None]) + np.arctan2(across, 1 + along))
+        / TAU
+    )
+    true = np.rint(depth / wrap_length(f[0]) - turns[0])
+    right = int(np.sum(likeliest_wraps(turns, f, noise) == true))
     interval = binomtest(right, draws).proportion_ci(method="wilson")
     return right / draws, interval.low, interval.high
 
@@ -616,7 +705,9 @@ plotting.save(
     alt="Two panels of rising curves with dots on them. Left, the best three frequencies come "
     "first; right, with the doubled mode weak, the single tones lead.",
 )
-print(f"{met} of {sum(len(o) for o in odds.values())} counted intervals meet the bounds")
+print(
+    f"{met} of {sum(len(o) for o in odds.values())} counted intervals meet the bounds"
+)
 
 # %% [markdown]
 # At η = 0.26 the doubled mode has 2 % of the single mode's signal, at π/4 19 %, so that sets that
@@ -626,7 +717,8 @@ print(f"{met} of {sum(len(o) for o in odds.values())} counted intervals meet the
 crops = read_card(weights_path("fast-scnn", "released")).crops
 paper.check("sec8.phase_offset", max(map(max, MOVED)) / 1e3)
 for row in ROWS:
-    ends = np.array(table3["fast-scnn", row])[:, :3]  # value, low and high of three rates
+    # value, low and high of three rates
+    ends = np.array(table3["fast-scnn", row])[:, :3]
     for key, share in zip(LIMITS, [*ends.T, 1 - ends[[0, 2, 1], 2]], strict=True):
         paper.check(f"table3.{row}.{key}", share, crops=crops)
 lost = -np.array(drops["fast-scnn", "phase_offset"])[[0, 2, 1], :3]

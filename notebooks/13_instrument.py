@@ -47,14 +47,31 @@ PATHS = (  # look, opacity, corners
     (OUT, 0.5, [(7.2, 6.78), (7.2, 5.5)]),
     (OUT, 0.3, [(9.4, 6.78), (9.4, 7.9)]),
     (OUT, 0.3, [(11.3, 6.78), (11.3, 8.7)]),
-    (BACK, 1.0, [(15.9, 7.92), (12.8, 7.92), (12.8, 6.62), (9.4, 6.62), (9.4, 4.4), (14.8, 4.4)]),
+    (
+        BACK,
+        1.0,
+        [
+            (15.9, 7.92),
+            (12.8, 7.92),
+            (12.8, 6.62),
+            (9.4, 6.62),
+            (9.4, 4.4),
+            (14.8, 4.4),
+        ],
+    ),
     (BACK, 1.0, [(10.6, 4.4), (10.6, 2.72)]),
 )
 GLASS = {"mfc": "#DCEBF7", "mec": "#6B8CA8", "ms": 22}
 SPLITTERS = [(5.4, 9, "PBS"), (10.6, 4.4, "PBS"), (7.2, 6.7, "NBS"), (9.4, 6.7, "NBS")]
 PLATES = [(6.2, 9, "HWP"), (7.05, 9, "QWP"), (11.5, 4.4, "HWP"), (12.35, 4.4, "QWP")]
 LENSES = [(4.0, 9, ""), (4.5, 9, "2.5×"), (9.4, 5.5, ""), (10.6, 3.45, "")]
-MIRRORS = [(9.6, 9, ""), (14.8, 4.4, ""), (5.4, 6.7, ""), (9.4, 7.95, ""), (9.4, 4.4, "")]
+MIRRORS = [
+    (9.6, 9, ""),
+    (14.8, 4.4, ""),
+    (5.4, 6.7, ""),
+    (9.4, 7.95, ""),
+    (9.4, 4.4, ""),
+]
 MIRRORS += [(12.7, 6.7, ""), (12.7, 8, "galvo"), (11.3, 6.7, "")]
 PARTS = (  # look, places and names
     (GLASS | {"marker": "s"}, SPLITTERS),
@@ -80,11 +97,19 @@ small = {"fontsize": "small", "ha": "center", "va": "center", "zorder": 6}
 for look, alpha, corners in PATHS:
     ax.plot(*zip(*corners, strict=True), alpha=alpha, **look)
 for look, places in PARTS:
-    ax.plot(*zip(*(place[:2] for place in places), strict=True), ls="", zorder=3, **look)
+    ax.plot(
+        *zip(*(place[:2] for place in places), strict=True), ls="", zorder=3, **look
+    )
     for x, y, name in places:
         ax.text(x, y + 0.65, name, **small)
 for x, y, name in BOXES:
-    ax.text(x, y, name, bbox={"boxstyle": "round", "fc": "#F3F5F7", "ec": "#7C8A96"}, **small)
+    ax.text(
+        x,
+        y,
+        name,
+        bbox={"boxstyle": "round", "fc": "#F3F5F7", "ec": "#7C8A96"},
+        **small,
+    )
 for x, y, name in ((8.2, 8.2, "reference arm"), (8.6, 5.5, "1.6×")):
     ax.text(x, y, name, **small)
 plotting.save(
@@ -159,10 +184,16 @@ steps = {
     }
     for mode, one in here.items()
 }
-rows = [[n, *(f"{10 * np.log10(steps[m][n]):.1f} dB" for m in COLOURS)] for n in steps["single"]]
+rows = [
+    [n, *(f"{10 * np.log10(steps[m][n]):.1f} dB" for m in COLOURS)]
+    for n in steps["single"]
+]
 rows += [
     ["On the detector", *(quantity_text(one["light"], "W") for one in here.values())],
-    ["Photons in a point", *(f"{one['photons'] / 1e6:.3g} million" for one in here.values())],
+    [
+        "Photons in a point",
+        *(f"{one['photons'] / 1e6:.3g} million" for one in here.values()),
+    ],
     ["Output (mV)", *(f"{1e3 * one['volts']:.0f}" for one in here.values())],
 ]
 notes.table(["", "single", "doubled"], rows)
@@ -235,7 +266,9 @@ micron = {
     for mode, order in MODES.items()
 }
 curves = {
-    (m, rho): [budget(m, z, rho) for z in ranges] for rho in (reflectance, 0.05) for m in COLOURS
+    (m, rho): [budget(m, z, rho) for z in ranges]
+    for rho in (reflectance, 0.05)
+    for m in COLOURS
 }
 
 # %% tags=["hide-input"]
@@ -243,10 +276,18 @@ figure, axes = plt.subplots(1, 3, figsize=(8.4, 4.0))
 for (mode, rho), found in curves.items():
     look = {"color": COLOURS[mode], "ls": "-" if rho == reflectance else "--"}
     good = [(1 + one["contrast"]) * one["volts"] <= twin.saturation for one in found]
-    for ax, name, factor in ((axes[0], "photons", 1.0), (axes[2], "phase_noise", micron[mode])):
+    for ax, name, factor in (
+        (axes[0], "photons", 1.0),
+        (axes[2], "phase_noise", micron[mode]),
+    ):
         values = factor * np.array([one[name] for one in found])
-        ax.plot(ranges, np.where(good, values, np.nan), label=f"{mode}, ϱ = {rho:g}", **look)
-for ax, title in ((axes[0], "photons in 16 phases"), (axes[2], "noise of the range (µm)")):
+        ax.plot(
+            ranges, np.where(good, values, np.nan), label=f"{mode}, ϱ = {rho:g}", **look
+        )
+for ax, title in (
+    (axes[0], "photons in 16 phases"),
+    (axes[2], "noise of the range (µm)"),
+):
     ax.set(xscale="log", yscale="log", xlabel="range (m)", ylabel=title, xlim=(0.2, 8))
     ax.set_xticks([0.3, 1, 3], ["0.3", "1", "3"])
     ax.tick_params(axis="x", which="minor", labelbottom=False)
@@ -262,7 +303,8 @@ axes[1].set(xlabel="output of the detector (mV)", ylabel="noise of one phase (µ
 axes[1].legend(fontsize=8.5)
 plotting.label_panels(axes)
 crossing = [
-    np.interp(-even, [-one["volts"] for one in curves[m, reflectance]], ranges) for m in COLOURS
+    np.interp(-even, [-one["volts"] for one in curves[m, reflectance]], ranges)
+    for m in COLOURS
 ]
 plotting.save(
     figure,
@@ -271,7 +313,9 @@ plotting.save(
         "photons": closed_form([one["photons"] for one in here.values()]),
         "even_output": closed_form(even),
         "crossing_range": closed_form(crossing),
-        "noise_microns": closed_form([micron[m] * one["phase_noise"] for m, one in here.items()]),
+        "noise_microns": closed_form(
+            [micron[m] * one["phase_noise"] for m, one in here.items()]
+        ),
         "noise_volts": closed_form([amplifier, converter, quantum]),
     },
     caption=(

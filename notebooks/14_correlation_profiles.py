@@ -116,13 +116,16 @@ with simulated_bench(reading, mirror, noisy, seed=seed) as bench:
 psi = nominal_psi(PHASES)
 burst_time = reading.scans / reading.rate
 between = TICKS * BURST_INTERVAL
-place = ((np.arange(PHASES) + 0.5) / PHASES * burst_time + between - burst_time) / between
+place = (
+    (np.arange(PHASES) + 0.5) / PHASES * burst_time + between - burst_time
+) / between
 profiles = {}
 moved = {}
 fits = {}
 for mode in ORDER:
     meter = np.array(power[mode])
-    light = meter[:-1, None] + np.diff(meter)[:, None] * place  # the laser drifts in a line
+    # the laser drifts in a line
+    light = meter[:-1, None] + np.diff(meter)[:, None] * place
     level = (np.array(taken[mode]) - dark[mode]) * meter.mean() / light
     profiles[mode] = level[:bursts]
     moved[mode] = level[bursts:]
@@ -143,7 +146,11 @@ for mode in ORDER:
 def expected_noise(volts, samples):
     """Standard deviation of the mean over successive samples at an output, V."""
     lags = Chain(known, 1 / reading.rate).memory(samples)
-    weight = np.where(np.arange(samples) == 0, 1, 2) * (samples - np.arange(samples)) / samples**2
+    weight = (
+        np.where(np.arange(samples) == 0, 1, 2)
+        * (samples - np.arange(samples))
+        / samples**2
+    )
     converter = (known.converter_noise**2 + 1 / 12) * gain.positive_slope**2 / samples
     return np.sqrt(density(known, volts) * (weight @ lags) + converter)
 
@@ -153,7 +160,9 @@ def expected(mode, phase, steps, emitted=0.0):
     w = HARMONICS[mode](known.eta, 16)[:: ORDER[mode]]
     emitted = np.asarray(emitted)
     drives = drive_phases(PHASES, mode)[steps]
-    error = known.iq_imbalance * np.subtract.outer(np.sin(2 * emitted), np.sin(2 * drives))
+    error = known.iq_imbalance * np.subtract.outer(
+        np.sin(2 * emitted), np.sin(2 * drives)
+    )
     shift = np.add.outer(ORDER[mode] * emitted, psi[steps]) + ORDER[mode] * error
     return correlation_from_harmonics(w, w, phase=phase, psi=shift)
 
@@ -177,7 +186,10 @@ for mode, fit in fits.items():
     slope = fit.amplitude * np.abs(np.sin(fit.phase + psi))
     code[mode] = ORDER[mode] * known.phase_step_error * slope
 freedom = np.sqrt(PHASES / (PHASES - 3))
-pull = {m: freedom * np.std((left[m] - model[m]) / np.hypot(noise[m], code[m])) for m in ORDER}
+pull = {
+    m: freedom * np.std((left[m] - model[m]) / np.hypot(noise[m], code[m]))
+    for m in ORDER
+}
 
 # %% tags=["hide-input"]
 orders = np.arange(1, 9)
@@ -192,7 +204,14 @@ for mode, fit in fits.items():
     both = np.sqrt(4 / PHASES * np.mean(noise[mode] ** 2 + code[mode] ** 2))
     floor[mode] = both / fit.amplitude
 notes.table(
-    ["", "contrast", "harmonic", "closed form", "residual over noise", "scatter of a sweep"],
+    [
+        "",
+        "contrast",
+        "harmonic",
+        "closed form",
+        "residual over noise",
+        "scatter of a sweep",
+    ],
     [
         [
             m,
@@ -219,7 +238,13 @@ for (top, middle, low), (mode, fit) in zip(axes.T, fits.items(), strict=True):
         alpha=0.5,
         label="fitted cosine",
     )
-    top.plot(psi, profiles[mode].mean(axis=0), ".", color="k", label=f"mean of {bursts} sweeps")
+    top.plot(
+        psi,
+        profiles[mode].mean(axis=0),
+        ".",
+        color="k",
+        label=f"mean of {bursts} sweeps",
+    )
     top.plot(
         psi,
         rough[mode] - dark[mode],
@@ -230,18 +255,39 @@ for (top, middle, low), (mode, fit) in zip(axes.T, fits.items(), strict=True):
     )
     top.axhline(fit.offset, color="#8A97A3", lw=1, ls=":")
     top.text(TAU, fit.offset, "$K$", ha="right", va="bottom")
-    top.set(title=f"{mode} mode", ylabel="output (V)", ylim=(0, 1.7 * (fit.offset + fit.amplitude)))
+    top.set(
+        title=f"{mode} mode",
+        ylabel="output (V)",
+        ylim=(0, 1.7 * (fit.offset + fit.amplitude)),
+    )
     band = 1e3 * np.stack([model[mode] - noise[mode], model[mode] + noise[mode]])
-    middle.fill_between(psi, *band, color=colour, alpha=0.3, lw=0, label="expected, ± noise")
+    middle.fill_between(
+        psi, *band, color=colour, alpha=0.3, lw=0, label="expected, ± noise"
+    )
     middle.plot(psi, 1e3 * left[mode], ".", color="k", label="residual of the fit")
     reach = 1e3 * np.abs(left[mode]).max()
     middle.set(
-        xlabel="reference phase ψ (rad)", ylabel="residual (mV)", ylim=(-1.2 * reach, 2.2 * reach)
+        xlabel="reference phase ψ (rad)",
+        ylabel="residual (mV)",
+        ylim=(-1.2 * reach, 2.2 * reach),
     )
-    low.vlines(orders, 1e-7, closed_form[mode], color=colour, lw=9, alpha=0.35, label="closed form")
+    low.vlines(
+        orders,
+        1e-7,
+        closed_form[mode],
+        color=colour,
+        lw=9,
+        alpha=0.35,
+        label="closed form",
+    )
     low.plot(orders, harmonic[mode], "o", mfc="none", color="k", label="of the profile")
     low.axhline(floor[mode], color="#5A646D", ls="--", label="noise and codes, rms")
-    low.set(yscale="log", ylim=(1e-5, 300), xlabel="harmonic of ψ", ylabel="over the fundamental")
+    low.set(
+        yscale="log",
+        ylim=(1e-5, 300),
+        xlabel="harmonic of ψ",
+        ylabel="over the fundamental",
+    )
     for ax in (top, middle, low):
         ax.legend(loc="upper right", fontsize="small")
 plotting.label_panels(axes.flat)
@@ -250,7 +296,9 @@ plotting.save(
     "fig12_correlation_profiles",
     numbers={
         "third_of_single": sum_over_draws(harmonic["single"][2], error=floor["single"]),
-        "second_of_doubled": sum_over_draws(harmonic["doubled"][1], error=floor["doubled"]),
+        "second_of_doubled": sum_over_draws(
+            harmonic["doubled"][1], error=floor["doubled"]
+        ),
     },
     caption=(
         "Correlation of a fixed mirror against the reference phase, in the single and the doubled "
@@ -285,11 +333,18 @@ for mode in ORDER:
     for number in (4, 16):
         steps = every[:: PHASES // number]
         curve = expected(mode, fits[mode].phase, steps, emitted=fine / ORDER[mode])
-        for held, seen, at in ((errors, moved[mode][:, steps], wanted), (curves, curve, fine)):
+        for held, seen, at in (
+            (errors, moved[mode][:, steps], wanted),
+            (curves, curve, fine),
+        ):
             off = decode(seen.T, psi[steps]).phase - at
             held[mode, number] = 1e3 * centred(off - np.angle(np.exp(1j * off).mean()))
 rms = {key: np.sqrt(np.mean(value**2)) for key, value in errors.items()}
-print("\n".join(f"{mode}, {n} steps: {value:.2f} mrad rms" for (mode, n), value in rms.items()))
+print(
+    "\n".join(
+        f"{mode}, {n} steps: {value:.2f} mrad rms" for (mode, n), value in rms.items()
+    )
+)
 
 # %% tags=["hide-input"]
 figure, axes = plt.subplots(1, 2, figsize=(8.4, 3.6))
@@ -304,7 +359,12 @@ for ax, mode in zip(axes, ORDER, strict=True):
             color=colour,
             label=f"{number} steps",
         )
-    ax.set(title=f"{mode} mode", xlabel="set phase (rad)", ylabel="error (mrad)", ymargin=0.2)
+    ax.set(
+        title=f"{mode} mode",
+        xlabel="set phase (rad)",
+        ylabel="error (mrad)",
+        ymargin=0.2,
+    )
     ax.legend(loc="upper right", ncols=2, fontsize="small")
 plotting.label_panels(axes)
 plotting.save(

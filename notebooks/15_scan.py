@@ -71,7 +71,9 @@ print(measurement, f"{plan.lines[-1].labels[-1]} bursts in {len(plan.lines)} lin
 bench = simulated_bench(rig, scene, seed=seed)
 index = float(data.attrs["group_index"])
 truth = bench.daq.instrument.ranges(plan.angles).reshape(size, size)
-ideal_phase = np.stack([phase_from_depth(index * truth, f) for f in measurement.frequencies])
+ideal_phase = np.stack(
+    [phase_from_depth(index * truth, f) for f in measurement.frequencies]
+)
 error = centred(measurement.phase - ideal_phase)
 period = wrap_length(measurement.frequencies[0]) / index
 wrap_in_beat = TAU * (measurement.frequencies[1] / measurement.frequencies[0] - 2)
@@ -83,7 +85,9 @@ print(
 
 # %% tags=["hide-input"]
 figure, axes = plotting.grid(3, 3, 1)
-plotting.image(axes[0], 1e3 * measurement.amplitude[0], label="", title="amplitude (mV)")
+plotting.image(
+    axes[0], 1e3 * measurement.amplitude[0], label="", title="amplitude (mV)"
+)
 for ax, phase, tone in zip(axes[1:], measurement.phase, tones, strict=True):
     plotting.phase_image(ax, np.mod(phase, TAU), title=f"phase, {tone}", label="")
 plotting.label_panels(axes)
@@ -110,7 +114,9 @@ bench.set_up()
 for mode in MODES:
     bench.choose_mode(mode)
     bench.look_at("scan")
-    label = next(one for one in plan.lines if one[1:4] == (mode, "scan", row)).labels[column]
+    label = next(one for one in plan.lines if one[1:4] == (mode, "scan", row)).labels[
+        column
+    ]
     raw[mode] = bench.bursts([label], [bench.aimed(plan.angles[row, column])])
 bench.shut()
 
@@ -124,9 +130,17 @@ for number, (mode, colour) in enumerate(zip(MODES, ("C0", "C1"), strict=True)):
     psi = data["psi"].to_numpy()[number]
     fit = decode(values, psi)
     axes[1].plot(psi, 1e3 * values, "o", ms=4, color=colour)
-    axes[1].plot(fine, 1e3 * (fit.offset + fit.amplitude * np.cos(fit.phase + fine)), color=colour)
+    axes[1].plot(
+        fine,
+        1e3 * (fit.offset + fit.amplitude * np.cos(fit.phase + fine)),
+        color=colour,
+    )
 axes[0].set(xlabel="time (ms)", ylabel="converter (counts)", title="one burst")
-axes[1].set(xlabel="reference phase ψ (rad)", ylabel="above the dark (mV)", title="means and fit")
+axes[1].set(
+    xlabel="reference phase ψ (rad)",
+    ylabel="above the dark (mV)",
+    title="means and fit",
+)
 axes[0].legend()
 plotting.label_panels(axes)
 plotting.save(
@@ -155,7 +169,13 @@ paths = 4 * np.pi * measurement.frequencies * given.internal_path / SPEED_OF_LIG
 wanted = centred(paths - np.array([1, 2]) * given.phase_offset)
 off = centred(found - wanted)
 notes.table(
-    ["", "put in (rad)", "found (rad)", "off by (mrad)", "drift during the image (mrad)"],
+    [
+        "",
+        "put in (rad)",
+        "found (rad)",
+        "off by (mrad)",
+        "drift during the image (mrad)",
+    ],
     [
         [
             mode,
@@ -168,7 +188,9 @@ notes.table(
     ],
 )
 beat_off = centred(off[1] - 2 * off[0])
-print(f"the beat is off by {1e3 * beat_off:.2f} mrad, {beat_off / wrap_in_beat:.3f} wraps")
+print(
+    f"the beat is off by {1e3 * beat_off:.2f} mrad, {beat_off / wrap_in_beat:.3f} wraps"
+)
 
 # %% [markdown]
 # ## Sources of error
@@ -191,24 +213,37 @@ quiet = replace(given, noise=False)
 smooth = replace(quiet, speckle=False)
 fine = replace(smooth, divergence=0.0, exit_radius=0.0)
 clear = replace(fine, back_fraction=0.0)
-ideal = replace(clear, phase_drift=0.0, phase_step_error=0.0, iq_imbalance=0.0, leakage=0.0)
+ideal = replace(
+    clear, phase_drift=0.0, phase_step_error=0.0, iq_imbalance=0.0, leakage=0.0
+)
 
 # %% tags=["hide-input"]
 psi = data["psi"].to_numpy()
 CAUSES = ("noise", "speckle", "spot", "back-reflection", "RF drivers")
 steps = [
     decode(one, psi).phase
-    for one in (data["correlation"].to_numpy(), *map(scanned, (quiet, smooth, fine, clear, ideal)))
+    for one in (
+        data["correlation"].to_numpy(),
+        *map(scanned, (quiet, smooth, fine, clear, ideal)),
+    )
 ]
-causes = {name: centred(a - b) for name, a, b in zip(CAUSES, steps, steps[1:], strict=False)}
+causes = {
+    name: centred(a - b) for name, a, b in zip(CAUSES, steps, steps[1:], strict=False)
+}
 rest = centred(steps[-1] - ideal_phase)
-causes |= {"mirror steps": rest - np.nanmedian(rest, axis=(1, 2), keepdims=True), "all": error}
+causes |= {
+    "mirror steps": rest - np.nanmedian(rest, axis=(1, 2), keepdims=True),
+    "all": error,
+}
 sizes = {
     name: [1e3 * typical(e) for e in (e[0], e[1], centred(e[1] - 2 * e[0]))]
     for name, e in causes.items()
 }
 kept_time = (rig.samples_per_phase - rig.settle_samples) / rig.rate
-level = measurement.decoded.offset + volts_from_counts(data["dark"].to_numpy())[:, None, None]
+level = (
+    measurement.decoded.offset
+    + volts_from_counts(data["dark"].to_numpy())[:, None, None]
+)
 shot = density(given, np.maximum(level, 0))
 converter = (given.converter_noise * SLOPE) ** 2 / (kept_time * rig.rate)
 expected = np.sqrt(2 / rig.phases * (shot / (2 * kept_time) + converter))
@@ -257,29 +292,44 @@ METHODS["beat, small window"] = ("beat", {"window": window})
 def as_measurement(correlation):
     """Measurement with the scan's own calibration."""
     values = np.asarray(correlation, np.float32)
-    return Measurement.from_arrays(values, psi, measurement.frequencies, camera=plan.camera)
+    return Measurement.from_arrays(
+        values, psi, measurement.frequencies, camera=plan.camera
+    )
 
 
 variants = {
     "as scanned": measurement,
     "the mean of several scans": as_measurement(
-        np.mean([data["correlation"], *(scanned(given, n) for n in range(1, repeats))], axis=0)
+        np.mean(
+            [data["correlation"], *(scanned(given, n) for n in range(1, repeats))],
+            axis=0,
+        )
     ),
     "without noise": as_measurement(scanned(quiet)),
-    "without back-reflection": as_measurement(scanned(replace(given, back_fraction=0.0))),
+    "without back-reflection": as_measurement(
+        scanned(replace(given, back_fraction=0.0))
+    ),
 }
 answers = {
-    (name, label): cmtof.unwrap(one, method=method, **options)["depth"].to_numpy() / index
+    (name, label): cmtof.unwrap(one, method=method, **options)["depth"].to_numpy()
+    / index
     for name, one in variants.items()
     for label, (method, options) in METHODS.items()
 }
-wraps = {key: np.abs(np.rint((depth - truth) / period)) for key, depth in answers.items()}
-right, close = ({key: 100 * np.nanmean(w < n) for key, w in wraps.items()} for n in (1, 3))
+wraps = {
+    key: np.abs(np.rint((depth - truth) / period)) for key, depth in answers.items()
+}
+right, close = (
+    {key: 100 * np.nanmean(w < n) for key, w in wraps.items()} for n in (1, 3)
+)
 
 # %% tags=["hide-input"]
 notes.table(
     ["right wraps in %", *METHODS],
-    [[k, *(f"{right[k, m]:.0f} ({close[k, m]:.0f})" for m in METHODS)] for k in variants],
+    [
+        [k, *(f"{right[k, m]:.0f} ({close[k, m]:.0f})" for m in METHODS)]
+        for k in variants
+    ],
 )
 best = max(METHODS, key=lambda method: right["as scanned", method])
 depth = answers["as scanned", best]
@@ -299,7 +349,9 @@ for ax, values, words, end in (
     (axes[2], off_by, ("wraps", "off by"), 5),
     (axes[3], 1e3 * residual, ("error (mm)", "but for wraps"), 0.2),
 ):
-    plotting.image(ax, values, label=words[0], title=words[1], cmap="coolwarm", limits=(-end, end))
+    plotting.image(
+        ax, values, label=words[0], title=words[1], cmap="coolwarm", limits=(-end, end)
+    )
 plotting.label_panels(axes)
 plotting.save(
     figure,
@@ -324,7 +376,16 @@ plotting.save(
 # the shutter. With `--resume` the file equals that of an uninterrupted scan, byte for byte.
 
 # %% tags=["hide-input"]
-options = ["--twin", "--scene", scene, "--size", str(killed_size), "--seed", str(seed), "--quiet"]
+options = [
+    "--twin",
+    "--scene",
+    scene,
+    "--size",
+    str(killed_size),
+    "--seed",
+    str(seed),
+    "--quiet",
+]
 command = [sys.executable, "-m", "cmtof.cli", "scan", *options, "-o"]
 killed = here / "k.nc"
 whole = here / "whole.nc"

@@ -10,7 +10,9 @@
 # %% tags=["parameters", "hide-input"]
 profile: str = "book"  # size profile
 seed: int = 0  # of every random draw
-scene: str = "books"  # object that is scanned, one of those that the network learns from
+scene: str = (
+    "books"  # object that is scanned, one of those that the network learns from
+)
 far_scene: str = "room"  # embedded frame for what lies farther away
 size: int = 120  # height and width of the scan, px
 far_stride: int = 4  # every how many pixels of that frame are scanned
@@ -58,7 +60,9 @@ corners = np.stack([rig.project(pose.apply(stereo.BOARD)) for pose in poses], ax
 corners += print_error * rng.standard_normal(corners.shape)
 cameras, corner_noise = stereo.calibrate(corners, rig.shape)
 redrawn = [
-    stereo.calibrate(corners + corner_noise * rng.standard_normal(corners.shape), rig.shape)[0]
+    stereo.calibrate(
+        corners + corner_noise * rng.standard_normal(corners.shape), rig.shape
+    )[0]
     for _ in range(draws)
 ]
 print(f"{views} views leave {corner_noise:.3f} px at a corner")
@@ -69,8 +73,18 @@ def thinned(name, stride):
     """Every so many pixels of an embedded frame, as a scan would take them."""
     whole = load_frame(name)
     fx, fy, cx, cy = whole.camera
-    camera = [fx / stride, fy / stride, (cx - 0.5) / stride + 0.5, (cy - 0.5) / stride + 0.5]
-    return Frame(whole.depth[::stride, ::stride], whole.intensity[::stride, ::stride], camera, name)
+    camera = [
+        fx / stride,
+        fy / stride,
+        (cx - 0.5) / stride + 0.5,
+        (cy - 0.5) / stride + 0.5,
+    ]
+    return Frame(
+        whole.depth[::stride, ::stride],
+        whole.intensity[::stride, ::stride],
+        camera,
+        name,
+    )
 
 
 def measured_phase(measurement):
@@ -84,8 +98,12 @@ def measured_phase(measurement):
 def labels(frame, spots, cameras, others=(), **phase):
     """Pseudo ground truth of a scan by calibrated cameras, the scanner found from its spots."""
     beams = points_from_depth(np.ones(frame.depth.shape), frame.camera)
-    found = [stereo.locate_scanner(one, spots.pixels, beams) for one in (cameras, *others)]
-    return stereo.truth_from_spots(spots, found[0], draws=found[1:], sigmas=sigmas, **phase)
+    found = [
+        stereo.locate_scanner(one, spots.pixels, beams) for one in (cameras, *others)
+    ]
+    return stereo.truth_from_spots(
+        spots, found[0], draws=found[1:], sigmas=sigmas, **phase
+    )
 
 
 # %% tags=["hide-input"]
@@ -95,7 +113,9 @@ spots = stereo.scan_spots(frame, rig, rng=rng, sensor=sensor)
 alone = labels(frame, spots, cameras, redrawn)
 truth = labels(frame, spots, cameras, redrawn, **measured_phase(measurement))
 wrong = (np.abs(truth.depth - frame.depth) > WRAP / 2)[truth.mask].mean()
-print(f"labelled: stereo alone {alone.mask.mean():.1%}, with the phase {truth.mask.mean():.1%}")
+print(
+    f"labelled: stereo alone {alone.mask.mean():.1%}, with the phase {truth.mask.mean():.1%}"
+)
 
 # %% tags=["hide-input"]
 figure = plt.figure(figsize=(8.4, 5.4))
@@ -112,7 +132,7 @@ axes[0].scatter(*cloud[known].T, c=grey, s=1, cmap="gray", vmin=0, vmax=1)
 for place, name, colour in zip(
     places, ("left", "right", "scanner"), (LEFT, RIGHT, "#00A86B"), strict=True
 ):
-    axes[0].plot(*np.stack([place, target], 1), color=colour, lw=1 + (name == "scanner"))
+    axes[0].plot(*np.stack([place, target], 1), color=colour, lw=1.4)
     axes[0].plot(*place[:, None], "s", color=colour, label=name)
 sides = np.ptp(np.concatenate([cloud[known], places]), axis=0)
 axes[0].set_box_aspect(sides, zoom=1.25)
@@ -222,7 +242,11 @@ plotting.save(
 
 # %%
 rows = []
-for name, vector in {"none": [0, 0, 0], "about y": [0, 5e-4, 0], "about x": [5e-4, 0, 0]}.items():
+for name, vector in {
+    "none": [0, 0, 0],
+    "about y": [0, 5e-4, 0],
+    "about x": [5e-4, 0, 0],
+}.items():
     turn = RigidTransform.from_rotation(Rotation.from_rotvec(vector))
     knocked = replace(rig, poses=(rig.poses[0], turn * rig.poses[1]))
     got = labels(far_frame, far_spots, knocked, **far_phase)

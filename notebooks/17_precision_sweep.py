@@ -69,7 +69,11 @@ SPANS = {  # plausible sizes of what is assumed; drawn each day, evenly in the l
 
 def drawn(one, rng):
     """A ranger, or its settings, with the sizes of one day."""
-    here = {k: float(np.exp(rng.uniform(*np.log(v)))) for k, v in SPANS.items() if hasattr(one, k)}
+    here = {
+        k: float(np.exp(rng.uniform(*np.log(v))))
+        for k, v in SPANS.items()
+        if hasattr(one, k)
+    }
     return replace(one, **here)
 
 
@@ -86,7 +90,11 @@ def errors_of(ranger, what, *, wide=False, **noise):
     return np.array(found) - target.distance - POSITIONS
 
 
-CASES = {"assumed": {}, "plausible": {"wide": True}, "captures": {"wide": True, **NOISY}}
+CASES = {
+    "assumed": {},
+    "plausible": {"wide": True},
+    "captures": {"wide": True, **NOISY},
+}
 errors = {
     (name, what, case): errors_of(one, what, **how)
     for name, one in rangers.items()
@@ -114,14 +122,19 @@ def days_text(values):
 
 def published(name, what):
     """RMSE and MAE that the paper prints, m."""
-    return [paper.published(f"table4.{AXES[name]}.{n}_{what}").value for n in ("rmse", "mae")]
+    return [
+        paper.published(f"table4.{AXES[name]}.{n}_{what}").value
+        for n in ("rmse", "mae")
+    ]
 
 
 ends_of = {
     case: 1e6 * np.array(band(found["all-optical", "mirror", case].rmse))
     for case in ("plausible", "captures")
 }
-needed = (median["all-optical", "mirror", "captures"] / published("all-optical", "mirror")[0]) ** 2
+needed = (
+    median["all-optical", "mirror", "captures"] / published("all-optical", "mirror")[0]
+) ** 2
 
 # %% tags=["hide-input"]
 figure, axes = plt.subplots(1, 2, figsize=(8.4, 4.4), sharey=True)
@@ -133,8 +146,16 @@ for ax, what in zip(axes, targets, strict=True):
         ax.fill_between(place, low, high, color=colour, alpha=0.25, lw=0)
         ax.plot(place, middle, color=colour, label=name)
     noisy = 1e6 * np.abs(errors["all-optical", what, "captures"])
-    ax.plot(place, np.median(noisy, axis=0), "--", color="C0", label="with the captures' noise")
-    plotting.mark(ax, y=1e6 * published("all-optical", what)[0], text="paper's RMSE, all-optical")
+    ax.plot(
+        place,
+        np.median(noisy, axis=0),
+        "--",
+        color="C0",
+        label="with the captures' noise",
+    )
+    plotting.mark(
+        ax, y=1e6 * published("all-optical", what)[0], text="paper's RMSE, all-optical"
+    )
     ax.set(yscale="log", ylim=(1e-3, 1e5), xlabel="true position (mm)", title=what)
 axes[0].set_ylabel("size of the error (µm)")
 axes[0].legend(ncols=2, loc="upper center", fontsize="small")
@@ -178,7 +199,9 @@ for name, what in ((name, what) for name in rangers for what in targets):
         ours = [days_text(getattr(found[name, what, case], size)) for case in CASES]
         last = [f"{float(f'{1e6 * x:.3g}'):g}" for x in (bound, theirs)]
         rows.append([f"{name}, {what}, {size.upper()}", *ours, *last])
-notes.table(["", "sizes assumed", "plausible", "and captures' noise", "bound", "paper"], rows)
+notes.table(
+    ["", "sizes assumed", "plausible", "and captures' noise", "bound", "paper"], rows
+)
 
 # %% [markdown]
 # The Cramér–Rao bound is for one estimate with noise at the photon limit. Further rows, with the
@@ -190,13 +213,17 @@ notes.table(["", "sizes assumed", "plausible", "and captures' noise", "bound", "
 ratio_30 = paper.published("sec8.laser_power_ratio").value
 bright = replace(settings, laser_power=ratio_30 * settings.laser_power)
 more = {
-    "all-optical, zero at the first position": OpticalRanger(settings, visits=1, age=60.0),
+    "all-optical, zero at the first position": OpticalRanger(
+        settings, visits=1, age=60.0
+    ),
     "all-optical, 14.32 GHz": OpticalRanger(settings, "doubled"),
     "all-optical, an hour later": OpticalRanger(settings, age=3600.0),
     "RF, ten times the light": RfRanger(settings=bright),
     "RF, offsets left in": RfRanger(calibrated=False),
 }
-extra = {(n, what): parts(errors_of(r, what)) for n, r in more.items() for what in targets}
+extra = {
+    (n, what): parts(errors_of(r, what)) for n, r in more.items() for what in targets
+}
 notes.table(
     ["RMSE (µm)", *targets],
     [[name, *(days_text(extra[name, what].rmse) for what in targets)] for name in more],
@@ -249,17 +276,29 @@ def most_scatter(name, what):
 
 offset = {key: np.abs(one.offset) for key, one in found.items()}
 scatter = {key: one.std(axis=1) for key, one in errors.items()}
-theirs = {pair: offset_and_scatter(*published(*pair)) for pair in {key[:2]: 0 for key in found}}
+theirs = {
+    pair: offset_and_scatter(*published(*pair))
+    for pair in {key[:2]: 0 for key in found}
+}
 
 # %% tags=["hide-input"]
 figure, axes = plt.subplots(1, 2, figsize=(8.4, 4.3), sharex=True, sharey=True)
 for ax, what in zip(axes, targets, strict=True):
     ax.plot([1e-2, 3e4], [1e-2, 3e4], color="#C9CFD4", lw=0.9, zorder=0)
-    plotting.mark(ax, y=1e6 * wrap_length(FREQUENCY["single"]) / np.sqrt(12), text="no signal")
+    plotting.mark(
+        ax, y=1e6 * wrap_length(FREQUENCY["single"]) / np.sqrt(12), text="no signal"
+    )
     for name, colour in COLOURS.items():
         for case, marker in (("plausible", "o"), ("captures", "x")):
             at = 1e6 * offset[name, what, case]
-            ax.plot(at, 1e6 * scatter[name, what, case], marker, ms=3, alpha=0.45, color=colour)
+            ax.plot(
+                at,
+                1e6 * scatter[name, what, case],
+                marker,
+                ms=3,
+                alpha=0.45,
+                color=colour,
+            )
         mu, sigma = theirs[name, what]
         shown = 1e6 * (sigma or most_scatter(name, what))
         ax.plot(1e6 * mu, shown, "D" if sigma else "v", ms=9, color=colour, mec="black")
@@ -315,7 +354,10 @@ plotting.save(
 
 # %%
 light = np.logspace(-12, -2, 201)
-snr = {"RF": rf.snr(light), "all-optical": 1 / (2 * optical.dimming_and_noise(light)[1] ** 2)}
+snr = {
+    "RF": rf.snr(light),
+    "all-optical": 1 / (2 * optical.dimming_and_noise(light)[1] ** 2),
+}
 plate = float(rf.power(targets["diffuse"], distance))
 own = float(rf.snr(plate))
 reach = np.interp(2.2e-9, light, snr["all-optical"])
@@ -386,14 +428,19 @@ def lost(rms, speed=ruler.speed):
     return one.lost_fringes() * 1e-3 / one.stride
 
 
-fringes_20 = 2 * paper.published("table4.interferometry.rmse_mirror").value / ruler.wavelength
+fringes_20 = (
+    2 * paper.published("table4.interferometry.rmse_mirror").value / ruler.wavelength
+)
 rms_for = brentq(lambda rms: lost(rms) - fringes_20, 5e-8, 1.5e-7)
 print(f"20 µm are {fringes_20:.0f} fringes, lost at {1e9 * rms_for:.0f} nm rms\n")
 shaking = (20, 60, 80, 100, 150, 200)
 notes.table(
     ["fringes lost in 1 mm, by vibration", *(f"{rms} nm" for rms in shaking)],
     [
-        [f"stage at {1e6 * v:.0f} µm/s", *(f"{lost(1e-9 * rms, v):.1f}" for rms in shaking)]
+        [
+            f"stage at {1e6 * v:.0f} µm/s",
+            *(f"{lost(1e-9 * rms, v):.1f}" for rms in shaking),
+        ]
         for v in (1.5e-5, 3e-5, 6e-5)
     ],
 )
@@ -506,13 +553,17 @@ def both(days):
         "plausible": "with photon noise alone",
         "captures": "with the noise of published captures",
     }
-    return {told: [np.median(days[case]), *band(days[case])] for case, told in cases.items()}
+    return {
+        told: [np.median(days[case]), *band(days[case])] for case, told in cases.items()
+    }
 
 
 for key, (name, what, size) in judged.items():
     days = {case: getattr(found[name, what, case], size) for case in CASES}
     paper.check(key, both(days))
-paper.check("sec8.rf_plate", both({case: found["RF", "diffuse", case].rmse for case in CASES}))
+paper.check(
+    "sec8.rf_plate", both({case: found["RF", "diffuse", case].rmse for case in CASES})
+)
 days = {case: scatter["all-optical", "mirror", case] for case in CASES}
 paper.check("fig13.standard_deviation", both(days))
 times = {case: 2 / SPEED_OF_LIGHT * one for case, one in days.items()}

@@ -57,7 +57,8 @@ whole = {
 }
 rms = {key: np.sqrt(np.mean(one**2)) for key, one in whole.items()}
 bound = {
-    (name, mode): OpticalRanger(known, mode).bound(targets[name], [0.0])[0] for name, mode in whole
+    (name, mode): OpticalRanger(known, mode).bound(targets[name], [0.0])[0]
+    for name, mode in whole
 }
 
 # %% tags=["hide-input"]
@@ -67,7 +68,9 @@ sizes = {}
 for mode, found in terms.items():
     each = [found[name] for name in order]
     summed = np.sqrt(np.sum(np.square(each)))
-    sizes[mode] = 1e6 * np.array([*each, summed, rms["diffuse", mode], bound["diffuse", mode]])
+    sizes[mode] = 1e6 * np.array(
+        [*each, summed, rms["diffuse", mode], bound["diffuse", mode]]
+    )
 plotting.dots(ax, sizes, [*order, "sum of squares", "all together", "Cramér–Rao bound"])
 ax.axhline(len(order) - 0.5, color=plotting.GREY, lw=1)
 ax.set(xscale="log", xlim=(0.02, 60), xlabel="µm, rms over the days")
@@ -154,7 +157,8 @@ third = (jv(3, 2 * eta) / jv(1, 2 * eta)) ** 2
 length = wrap_length(FREQUENCY["single"])
 travel = length * (np.arange(wrap_points) / wrap_points - 0.5)
 ideal = TwinSettings.ideal()
-path, back, cable, _ = np.random.default_rng((seed, 0)).uniform(0, 1, 4)  # turns, of a sweep's day
+# turns, of a sweep's day
+path, back, cable, _ = np.random.default_rng((seed, 0)).uniform(0, 1, 4)
 phi = correlation_phase(ideal, target.distance + travel) + TAU * (path - cable)
 stray = correlation_phase(ideal, ideal.back_range) + TAU * (path - cable - back)
 print(
@@ -162,7 +166,11 @@ print(
     f"four steps: {1e6 * depth_from_phase(third / 2**0.5, FREQUENCY['single']):.0f} µm rms"
 )
 cases = {
-    "back": (only("back_fraction"), np.angle(1 + ratio * np.exp(1j * (stray - phi))), {}),
+    "back": (
+        only("back_fraction"),
+        np.angle(1 + ratio * np.exp(1j * (stray - phi))),
+        {},
+    ),
     "imbalance": (only("iq_imbalance"), known.iq_imbalance / 2 * np.sin(2 * phi), {}),
     "four": (ideal, -third * np.sin(4 * phi), {"phases": 4, "samples": 80}),
 }
@@ -172,7 +180,9 @@ figure, axes = plt.subplots(1, 3, figsize=(8.4, 3.2))
 titles = ("back-reflection", "I/Q imbalance", "harmonics, 4 steps")
 for ax, title, (settings, curve, lab) in zip(axes, titles, cases.values(), strict=True):
     ranger = OpticalRanger(settings, stage_error=0.0, air_change=(0.0, 0.0), **lab)
-    error = ranger.sweep(target, travel, repeats=1, seed=seed)[0] - target.distance - travel
+    error = (
+        ranger.sweep(target, travel, repeats=1, seed=seed)[0] - target.distance - travel
+    )
     error = error - error.mean()
     curve = depth_from_phase(curve - curve.mean(), FREQUENCY["single"])
     ax.axvspan(-0.5, 0.5, color="C7", alpha=0.35, lw=0)
@@ -259,7 +269,11 @@ for mode in MODES:
         "back": 1e6 * here["back-reflection"],
         "air": 1e6 * here["air"],
     }
-base = {"range": target.distance, "reflectance": target.reflectance, "power": sent_power(known)}
+base = {
+    "range": target.distance,
+    "reflectance": target.reflectance,
+    "power": sent_power(known),
+}
 held = json.dumps({"modes": calculator, "base": base, "light": [steps[0], steps[-1]]})
 live.show(f'<div data-play="distance" data-numbers="{escape(held)}"></div>')
 
@@ -281,23 +295,39 @@ needs = {  # of the single mode: size needed, size assumed, unit
     "RF phase since the zero": (1e3 * phase, 1e3 * known.phase_drift, "mrad"),
     "I/Q imbalance": (2e3 * phase, 1e3 * known.iq_imbalance, "mrad"),
     "back-reflection over target": (1e2 * np.sin(phase), 1e2 * ratio, "%"),
-    "phase codes, each": (1e3 * phase * np.sqrt(32), 1e3 * known.phase_step_error, "mrad"),
+    "phase codes, each": (
+        1e3 * phase * np.sqrt(32),
+        1e3 * known.phase_step_error,
+        "mrad",
+    ),
     "air left out, path in it": (1e3 * wanted / excess, np.nan, "mm"),
     "air since the zero": (wanted / excess / target.distance * 293.15, 0.5, "K"),
     "0.6 m of aluminium bench": (wanted / (23e-6 * 0.6), np.nan, "K"),
     "1 m of PTFE cable": (wanted / (50e-6 / 1.4), np.nan, "K"),
     "scatter: share of the light": (1e2 * photons, 100.0, "%"),
-    "scatter: RF phase, point to point": (1e3 * jitter, 1e3 * known.phase_drift, "mrad"),
+    "scatter: RF phase, point to point": (
+        1e3 * jitter,
+        1e3 * known.phase_drift,
+        "mrad",
+    ),
     "scatter: stage": (1e6 * spread, 0.05, "µm"),
-    "scatter: slope, fresh speckle": (np.rad2deg(np.arctan(spread / steep)), np.nan, "°"),
+    "scatter: slope, fresh speckle": (
+        np.rad2deg(np.arctan(spread / steep)),
+        np.nan,
+        "°",
+    ),
 }
 
 # %% tags=["hide-input"]
 assumed = {name: row for name, row in needs.items() if np.isfinite(row[1])}
-others = [f"{n}, {size:.3g} {u}" for n, (size, _, u) in needs.items() if n not in assumed]
+others = [
+    f"{n}, {size:.3g} {u}" for n, (size, _, u) in needs.items() if n not in assumed
+]
 figure, ax = plt.subplots(figsize=(8.4, 3.6))
 factors = [size / usual for size, usual, _ in assumed.values()]
-plotting.dots(ax, {"": factors}, [f"{n}: {row[0]:.3g} {row[2]}" for n, row in assumed.items()])
+plotting.dots(
+    ax, {"": factors}, [f"{n}: {row[0]:.3g} {row[2]}" for n, row in assumed.items()]
+)
 ax.set(xscale="log", xlim=(0.05, 2000), xlabel="size needed over size assumed")
 ax.axvline(1, color="#5A646D", lw=1)
 plotting.save(
@@ -350,9 +380,15 @@ side = 2.5e-3  # m
 crystal = 5e-3  # m, assumed
 wavelength = known.wavelength
 rows = []
-for name, ordinary, extraordinary in (("LiNbO3", 2.323, 2.234), ("LiTaO3", 2.183, 2.188)):  # known
+# known
+for name, ordinary, extraordinary in (
+    ("LiNbO3", 2.323, 2.234),
+    ("LiTaO3", 2.183, 2.188),
+):
     birefringence = abs(extraordinary - ordinary)
-    square = ordinary * extraordinary * wavelength * 0.2 / (np.pi * crystal * birefringence)
+    square = (
+        ordinary * extraordinary * wavelength * 0.2 / (np.pi * crystal * birefringence)
+    )
     points = square * (2 * side / wavelength) ** 2
     pupil = side * np.sqrt(square) / np.sin(0.2)
     light = pupil**2 / aperture_area(known) / 64**2

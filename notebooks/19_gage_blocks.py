@@ -16,12 +16,15 @@ columns: int = 22  # points across both
 step: float = 5e-4  # nominal height of the step, m
 distance: float = 1.0  # of the blocks and the plane, m
 mount_tilt: float = 0.02  # of the blocks about the upright axis, rad
-margin: float = 1.6  # points nearer to an edge than so many radii of the spot are left out
+margin: float = (
+    1.6  # points nearer to an edge than so many radii of the spot are left out
+)
 plane_size: int = 20  # points across and down the plane
 plane_view: float = 0.2  # angle across and down the plane, rad
 plane_tilts: list[float] = [0.02, 0.1, 0.2, 0.35, 0.5, 0.7]  # rad
 rig: str = ""  # RIG file of an instrument before the blocks; empty: simulated
-plane_scans: list[str] = []  # its scans of the plane at each tilt, *.nc; empty: simulated
+# its scans of the plane at each tilt, *.nc; empty: simulated
+plane_scans: list[str] = []
 
 # %% tags=["hide-input"]
 from collections import namedtuple
@@ -73,13 +76,19 @@ Planes = namedtuple("Planes", "slopes offsets covariance residual r_squared")
 
 def fit_planes(points, group):
     """Parallel planes through points (N, 3), m, each in a numbered group (N,)."""
-    design = np.column_stack([points[:, :2], group[:, None] == np.arange(group.max() + 1)])
+    design = np.column_stack(
+        [points[:, :2], group[:, None] == np.arange(group.max() + 1)]
+    )
     found = np.linalg.lstsq(design, points[:, 2], rcond=None)[0]
     residual = points[:, 2] - design @ found
     variance = residual @ residual / (len(points) - len(found))
     covariance = variance * np.linalg.inv(design.T @ design)[2:, 2:]
     return Planes(
-        found[:2], found[2:], covariance, residual, 1 - residual.var() / points[:, 2].var()
+        found[:2],
+        found[2:],
+        covariance,
+        residual,
+        1 - residual.var() / points[:, 2].var(),
     )
 
 
@@ -87,7 +96,9 @@ def step_height(planes):
     """Distance of two parallel planes and its standard error, m."""
     cosine = 1 / np.sqrt(1 + planes.slopes @ planes.slopes)
     way = np.array([1, -1])
-    return way @ planes.offsets * cosine, np.sqrt(way @ planes.covariance @ way) * cosine
+    return way @ planes.offsets * cosine, np.sqrt(
+        way @ planes.covariance @ way
+    ) * cosine
 
 
 # %% tags=["hide-input"]
@@ -105,7 +116,8 @@ def points_of(target, number, noise="photon", file="", **how):
         optical + centred(phase - phase_from_depth(optical, f)) * wrap_length(f) / TAU
         for phase, f in zip(measured.phase, measured.frequencies, strict=True)
     ]
-    rays = directions_from_angles(steered)  # the mirrors' converter rounds, and its code is known
+    # the mirrors' converter rounds, and its code is known
+    rays = directions_from_angles(steered)
     return np.stack(ranges)[..., None] * rays / index
 
 
@@ -133,9 +145,13 @@ def usable(points):
 def measured_step(points):
     """Height and standard error (3,), m: single mode, doubled mode, both."""
     inside, side = usable(points)
-    height, error = np.array([step_height(fit_planes(p[inside], side[inside])) for p in points]).T
+    height, error = np.array(
+        [step_height(fit_planes(p[inside], side[inside])) for p in points]
+    ).T
     weight = error**-2 / (error**-2).sum()
-    return np.append(height, weight @ height), np.append(error, (error**-2).sum() ** -0.5)
+    return np.append(height, weight @ height), np.append(
+        error, (error**-2).sum() ** -0.5
+    )
 
 
 # %% tags=["hide-input"]
@@ -143,7 +159,9 @@ clouds = [scanned_blocks(number) for number in range(repeats)]
 heights, errors = np.array([measured_step(points) for points in clouds]).swapaxes(0, 1)
 mean = heights.mean(0)
 scatter = heights.std(0, ddof=1)
-rough = np.array([measured_step(scanned_blocks(k, "captures"))[0] for k in range(repeats)])
+rough = np.array(
+    [measured_step(scanned_blocks(k, "captures"))[0] for k in range(repeats)]
+)
 rough_scatter = rough.std(0, ddof=1)
 half = student.ppf(0.975, repeats - 1) * scatter / np.sqrt(repeats)
 notes.table(
@@ -175,7 +193,8 @@ def plane_fits(k, noise="photon", file=""):
 
 tilts = np.array(plane_tilts, float)
 planes = [
-    plane_fits(k, file=plane_scans[k] if plane_scans else "") for k in range(len(plane_tilts))
+    plane_fits(k, file=plane_scans[k] if plane_scans else "")
+    for k in range(len(plane_tilts))
 ]
 rough_fit = plane_fits(min(len(tilts) - 1, 4), "captures")[0]
 
@@ -183,23 +202,28 @@ rough_fit = plane_fits(min(len(tilts) - 1, 4), "captures")[0]
 inside, side = usable(clouds[0])
 fits = [fit_planes(points[inside], side[inside]) for points in clouds[0]]
 left_of = [
-    (fit.offsets[0] + p[..., :2] @ fit.slopes - p[..., 2]) / np.sqrt(1 + fit.slopes @ fit.slopes)
+    (fit.offsets[0] + p[..., :2] @ fit.slopes - p[..., 2])
+    / np.sqrt(1 + fit.slopes @ fit.slopes)
     for p, fit in zip(clouds[0], fits, strict=True)
 ]
 figure, (ax, right) = plt.subplots(1, 2, figsize=(8.4, 4))
 across = 1e3 * clouds[0][0, ..., 0].ravel()
 for mode, values in zip(MODES, left_of, strict=True):
     ax.plot(across, 1e3 * values.ravel(), ".", ms=3, color=COLOURS[mode], label=mode)
-ax.step(1e3 * WIDTH * np.array([-1, 0, 1]), [0, 0, 1e3 * step], where="pre", color="k", lw=1)
+ax.step(
+    1e3 * WIDTH * np.array([-1, 0, 1]), [0, 0, 1e3 * step], where="pre", color="k", lw=1
+)
 ax.set(xlabel="across the blocks (mm)", ylabel="height (mm)", ylim=(-0.2, 1.1))
 ax.set_title("all points of a scan")
 ax.legend(loc="upper left", markerscale=3)
 ends = np.abs(1e6 * (rough[:, 2] - step)).max() + 1
 bins = np.linspace(-ends, ends, 41)
-for label, values in (("photon limit", heights[:, 2]), ("captures' noise", rough[:, 2])):
+for label, values in (
+    ("photon limit", heights[:, 2]),
+    ("captures' noise", rough[:, 2]),
+):
     right.hist(1e6 * (values - step), bins, alpha=0.6, label=label)
-paper_off = 1e6 * (paper.published("fig14.height").value - step)
-plotting.mark(right, x=paper_off, text="paper")
+plotting.mark(right, x=1e6 * (paper.published("fig14.height").value - step))
 right.set(xlabel="step − 500 µm (µm)", ylabel="scans", title="both modes together")
 right.margins(y=0.4)
 right.legend()
@@ -212,7 +236,7 @@ plotting.save(
     "fig14_gage_blocks",
     caption="A step of two gauge blocks at 1 m, simulated (the paper's is a measurement). (a) "
     "Height over the left block in one scan, both modes, at the photon limit, and the true step. "
-    f"(b) Errors of the step in {repeats} scans, both modes together.",
+    f"(b) Errors of the step in {repeats} scans, both modes together; dotted: the paper's.",
     alt="Left, points about two levels half a millimetre apart, with a scatter of "
     f"{1e6 * noise[0]:.0f} µm in the single and {1e6 * noise[1]:.0f} µm in the doubled mode. "
     f"Right, {repeats} errors of the step within micrometres at the photon limit, or within "
@@ -298,7 +322,9 @@ for m, mode in enumerate(MODES):
     )
 paper_r2 = paper.published("fig14.r_squared").value
 plotting.mark(axes[1], y=1 - paper_r2, text="the paper")
-axes[0].set(xlabel="slope g", ylabel="noise of a point (µm)", title="what the fit leaves")
+axes[0].set(
+    xlabel="slope g", ylabel="noise of a point (µm)", title="what the fit leaves"
+)
 axes[1].set(xlabel="spread of depth (mm)", ylabel="1 − R²", title="what R² makes of it")
 axes[0].legend()
 plotting.label_panels(axes)

@@ -40,7 +40,10 @@ NAMES = ("owl", "helmet")
 DARK = 0.05  # reflectance of dark feathers
 PALE = 0.6
 TUNED = weights_path("fast-scnn", "released", Path(results, "scanned"))
-BY = {"photon": {"method": "surfaces"}, "captures": {"method": "fast-scnn", "weights": TUNED}}
+BY = {
+    "photon": {"method": "surfaces"},
+    "captures": {"method": "fast-scnn", "weights": TUNED},
+}
 
 # %% [markdown]
 # ## One image, and one scan
@@ -66,10 +69,15 @@ def card(reflectance, distance=1.0, side=16):
 
 
 camera = MhzCamera()
-power = brentq(lambda p: replace(camera, power=p).bound(card(0.8))[0, 0] - 1e-3, 1e-3, 100)
+power = brentq(
+    lambda p: replace(camera, power=p).bound(card(0.8))[0, 0] - 1e-3, 1e-3, 100
+)
 strong = replace(camera, power=power, full_scale=camera.full_well)
 target = {name: scene_from({"kind": "object", "name": name}) for name in NAMES}
-side = {n: 2 * int(np.ceil(np.tan(FIELD_OF_VIEW[n] / 2) * camera.focal_length)) for n in NAMES}
+side = {
+    n: 2 * int(np.ceil(np.tan(FIELD_OF_VIEW[n] / 2) * camera.focal_length))
+    for n in NAMES
+}
 view = {n: looked(target[n], side[n], side[n], camera.focal_length) for n in NAMES}
 field = {n: looked(target[n], 60, 80, camera.focal_length / 8) for n in NAMES}
 
@@ -79,7 +87,10 @@ def observed(instrument, name):
     """Range of one image, amplitude, and range without noise."""
     light = instrument.light(view[name], field[name])
     images = instrument.capture(light, rng=np.random.default_rng([seed, side[name]]))[0]
-    return (*instrument.depth(images), instrument.depth(instrument.differences(light))[0])
+    return (
+        *instrument.depth(images),
+        instrument.depth(instrument.differences(light))[0],
+    )
 
 
 mhz = {name: observed(camera, name) for name in NAMES}
@@ -104,7 +115,8 @@ def rms(values):
 
 
 flat = {  # places away from edges, on the object
-    n: (maximum_filter(v.range, 5) - minimum_filter(v.range, 5) < 0.03) & (v.range < 1.05)
+    n: (maximum_filter(v.range, 5) - minimum_filter(v.range, 5) < 0.03)
+    & (v.range < 1.05)
     for n, v in view.items()
 }
 owl = view["owl"]
@@ -128,7 +140,12 @@ notes.table(
         for n, m in (("dark", dark), ("pale", pale))
     ],
 )
-print("\n".join(f"{' '.join(k)} {right[k]:.0%} right, {1e6 * phase_error[k]:.0f} µm" for k in both))
+print(
+    "\n".join(
+        f"{' '.join(k)} {right[k]:.0%} right, {1e6 * phase_error[k]:.0f} µm"
+        for k in both
+    )
+)
 print(f"helmet: {lost:.0%} of the shell without a range at 100 MHz")
 
 # %% tags=["hide-input"]
@@ -141,7 +158,9 @@ for row, name in zip((axes[:4], axes[4:]), NAMES, strict=True):
         "truth": truth[name],
     }
     for ax, (title, values) in zip(row, ranges.items(), strict=True):
-        plotting.image(ax, values, label="", title=title, limits=(0.77, 1.19), bar=False)
+        plotting.image(
+            ax, values, label="", title=title, limits=(0.77, 1.19), bar=False
+        )
 figure.colorbar(axes[0].images[0], ax=axes, label="range (m)", shrink=0.6)
 plotting.label_panels(axes)
 plotting.save(
@@ -205,7 +224,8 @@ for name in NAMES:
         for k, true in zip(rows, (seen, seen, scanned, scanned), strict=True)
     ]
 notes.table(
-    ("median error of normals", *rows), [(n, *(f"{a:.0f}°" for a in angles[n])) for n in NAMES]
+    ("median error of normals", *rows),
+    [(n, *(f"{a:.0f}°" for a in angles[n])) for n in NAMES],
 )
 
 # %% tags=["hide-input"]
@@ -253,11 +273,19 @@ sent = sent_power(twin) * time, camera.power * camera.exposure / pixels
 notes.table(
     ("at 1 m, reflectance 0.5", "GHz, scanned", "100 MHz, flood"),
     [
-        ("light sent", f"{1e3 * sent_power(twin):.1f} mW", f"{1e3 * camera.power:.0f} mW"),
+        (
+            "light sent",
+            f"{1e3 * sent_power(twin):.1f} mW",
+            f"{1e3 * camera.power:.0f} mW",
+        ),
         ("sent to a pixel", f"{1e6 * sent[0]:.0f} µJ", f"{1e12 * sent[1]:.0f} pJ"),
         ("photo-electrons of a pixel", "", f"{electrons:.0f}"),
         ("an image of 640 × 480", f"{2 * time * pixels / 60:.0f} min", "8 ms"),
-        ("one wrap", f"{1e3 * wrap_length(7.15e9):.1f} mm", f"{1e3 * camera.wrap:.0f} mm"),
+        (
+            "one wrap",
+            f"{1e3 * wrap_length(7.15e9):.1f} mm",
+            f"{1e3 * camera.wrap:.0f} mm",
+        ),
     ],
 )
 
@@ -283,7 +311,10 @@ noise = {
 }
 notes.table(
     ("noise at 1 m, by reflectance", *(f"{r:.0%}" for r in sizes)),
-    [(f"{w:.3g} W", *(f"{1e3 * one:.1f} mm" for one in row)) for w, row in noise.items()],
+    [
+        (f"{w:.3g} W", *(f"{1e3 * one:.1f} mm" for one in row))
+        for w, row in noise.items()
+    ],
 )
 spot, wall = (camera.signal(one)[0, 0] for one in (card(0.03), card(0.55, 1.3)))
 turn, away = (phase_from_depth(z, camera.frequency) for z in (0.2, 0.3))

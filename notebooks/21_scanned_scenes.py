@@ -111,7 +111,9 @@ def shares(noise, row, below=1):
 
 rows = (*scanned.METHODS[:-1], "tuned", "surfaces", *scanned.TOLD)
 mean = {
-    noise: {row: shares(noise, row).mean() for row in rows if row in stored["counts"][noise]}
+    noise: {
+        row: shares(noise, row).mean() for row in rows if row in stored["counts"][noise]
+    }
     for noise in NOISE
 }
 
@@ -153,11 +155,16 @@ notes.say(
 )
 
 # %% tags=["hide-input"]
-fine = replace(TwinSettings(), divergence=1e-4, exit_radius=2.5e-5)  # a tenth of the spot's width
+# a tenth of the spot's width
+fine = replace(TwinSettings(), divergence=1e-4, exit_radius=2.5e-5)
 view = {"field_of_view": FIELD_OF_VIEW["helmet"], "seed": seed}
 helmet = scene_from({"kind": "object", "name": "helmet"})
-sharp = Measurement(scan_scene(fine, helmet, size=size, **view).dataset).between(*scanned.ENDS)
-kept = score(scored_pixels(cmtof.unwrap(sharp, method="reference-contact"), sharp))["delta_lt_1"]
+sharp = Measurement(scan_scene(fine, helmet, size=size, **view).dataset).between(
+    *scanned.ENDS
+)
+kept = score(scored_pixels(cmtof.unwrap(sharp, method="reference-contact"), sharp))[
+    "delta_lt_1"
+]
 notes.say(
     """
     On the helmet the reference fails even at the photon limit, at {wide:.0f} %. A spot that
@@ -176,15 +183,27 @@ notes.say(
 pair = ("fast-scnn", "tuned")
 places = [*zip(SCENES, range(len(SCENES)), strict=True), ("mean", slice(None))]
 notes.table(
-    ("fast-scnn (%)", *(f"δ < {b}, {when}" for b in (1, 3) for when in ("rooms", "fine-tuned"))),
+    (
+        "fast-scnn (%)",
+        *(f"δ < {b}, {when}" for b in (1, 3) for when in ("rooms", "fine-tuned")),
+    ),
     [
-        (name, *(f"{shares('captures', row, b)[place].mean():.1f}" for b in (1, 3) for row in pair))
+        (
+            name,
+            *(
+                f"{shares('captures', row, b)[place].mean():.1f}"
+                for b in (1, 3)
+                for row in pair
+            ),
+        )
         for name, place in places
     ],
 )
 
 # %% tags=["hide-input"]
-scans = {(n, k): scan_object(n, k, size=size, seed=seed) for n in objects for k in NOISE}
+scans = {
+    (n, k): scan_object(n, k, size=size, seed=seed) for n in objects for k in NOISE
+}
 first = scans[objects[0], "photon"]
 index = float(first.dataset.attrs["group_index"])
 period = wrap_length(first.frequencies[0]) / index
@@ -197,12 +216,19 @@ def rf_scan(name, scan):
     """The same scene by the fast photodiode: phases demodulated after photo-conversion."""
     angles = scan.dataset["angle"].to_numpy()
     phase = [
-        rf_image(RfRanger(mode=mode, settings=TwinSettings()), scenes[name], angles, seed=seed)
+        rf_image(
+            RfRanger(mode=mode, settings=TwinSettings()),
+            scenes[name],
+            angles,
+            seed=seed,
+        )
         for mode in ("single", "doubled")
     ]
     low, high = scan.range
     held = {"depth": scan.depth, "range_min": low, "range_max": high}
-    return Measurement.from_phase(phase, scan.frequencies, amplitude=scan.amplitude, **held)
+    return Measurement.from_phase(
+        phase, scan.frequencies, amplitude=scan.amplitude, **held
+    )
 
 
 def given(name):
@@ -219,7 +245,11 @@ depths = {}
 answers = {}
 for name in objects:
     for method, scan in given(name).items():
-        if method in ("tuned", "RF"):  # RF phases are unwrapped by the fine-tuned network, too
+        # RF phases are unwrapped by the fine-tuned network, too
+        if method in (
+            "tuned",
+            "RF",
+        ):
             found = cmtof.unwrap(scan, method="fast-scnn", weights=weights)
         else:
             found = cmtof.unwrap(scan, method=method.partition(",")[0])
@@ -246,7 +276,9 @@ def picture(name):
     up = -(rays - 2 * (rays * normal).sum(-1, keepdims=True) * normal)[..., 1]
     mirrored = hits.mirrored * 0.3 * (1 + np.tanh(3 * up))
     grey = hits.reflectance * ((1 - hits.mirrored) * (lit + 0.3) + mirrored)
-    return np.clip(np.nan_to_num(grey) / np.nanpercentile(grey, 99.5), 0, 1) ** (1 / 2.2)
+    return np.clip(np.nan_to_num(grey) / np.nanpercentile(grey, 99.5), 0, 1) ** (
+        1 / 2.2
+    )
 
 
 def wraps_off(name, method):
@@ -337,7 +369,9 @@ for row, (label, look) in LOOK.items():
     axes[2].plot(levels, [grid[row, one][-1] for one in scanned.LEVELS], look)
 axes[1].set(xlabel="points a side", title="points, captures' noise")
 figure.legend(*axes[1].get_legend_handles_labels(), ncols=3, loc="outside lower center")
-axes[2].set(xlabel="phase noise of a point (mrad)", title=f"noise, {sides[-1]} points a side")
+axes[2].set(
+    xlabel="phase noise of a point (mrad)", title=f"noise, {sides[-1]} points a side"
+)
 plotting.mark(axes[2], x=usual, text="captures")
 plt.setp(axes, ylim=(0, 102))
 plotting.label_panels(axes)
@@ -382,12 +416,16 @@ for name in objects:
     scale = {"label": "range (m)", "limits": limits[name]}
     figure, axes = plt.subplots(2, 2, figsize=(8.4, 6.8))
     shown, true, found, error = axes.flat
-    plotting.image(shown, picture(name), title="rendering", cmap="gray", limits=(0, 1), **plain)
+    plotting.image(
+        shown, picture(name), title="rendering", cmap="gray", limits=(0, 1), **plain
+    )
     plotting.image(true, truth[name], title="truth", **scale)
     title = f"fast-scnn, {right[name, 'tuned']:.0f} % right"
     plotting.image(found, depths[name, "tuned"], title=title, **scale)
     off = np.abs(wraps_off(name, "tuned"))
-    plotting.image(error, off, label="wraps off", cmap="magma", limits=(0, 10), title="its error")
+    plotting.image(
+        error, off, label="wraps off", cmap="magma", limits=(0, 10), title="its error"
+    )
     plotting.label_panels(axes.flat)
     plotting.save(
         figure,
@@ -404,12 +442,18 @@ for name in objects:
     scan = scans[name, "captures"]
     figure, axes = plotting.grid(6, 3, 1)
     bright = np.sqrt(scan.amplitude[0] / np.nanquantile(scan.amplitude[0], 0.98))
-    plotting.image(axes[0], bright, title="amplitude", cmap="gray", limits=(0, 1), **plain)
+    plotting.image(
+        axes[0], bright, title="amplitude", cmap="gray", limits=(0, 1), **plain
+    )
     look = {"cmap": plotting.PHASE_CMAP, "limits": plotting.TURN} | plain
-    plotting.image(axes[1], np.mod(scan.phase[0], TAU), title="phase at 7.15 GHz", **look)
+    plotting.image(
+        axes[1], np.mod(scan.phase[0], TAU), title="phase at 7.15 GHz", **look
+    )
     for ax, method in zip(axes[2:], OTHERS, strict=True):
         title = f"{method}, {right[name, method]:.0f} %"
-        plotting.image(ax, depths[name, method], title=title, limits=limits[name], **plain)
+        plotting.image(
+            ax, depths[name, method], title=title, limits=limits[name], **plain
+        )
     plotting.label_panels(axes)
     plotting.save(
         figure,
@@ -447,21 +491,31 @@ def classes_of(name):
     """Class (H, W) of each pixel, by what stands there."""
     angles = scans[name, "photon"].dataset["angle"].to_numpy()
     hits = scenes[name].look(directions_from_angles(angles))
-    around = np.lib.stride_tricks.sliding_window_view(np.pad(truth[name], 1, mode="edge"), (3, 3))
+    around = np.lib.stride_tricks.sliding_window_view(
+        np.pad(truth[name], 1, mode="edge"), (3, 3)
+    )
     step = np.abs(around - truth[name][..., None, None]).max((2, 3))
-    tests = [step > period / 2, hits.mirrored * np.ones(step.shape) > 0.5, hits.reflectance < 0.1]
+    tests = [
+        step > period / 2,
+        hits.mirrored * np.ones(step.shape) > 0.5,
+        hits.reflectance < 0.1,
+    ]
     return np.select(tests, CLASSES[:3], CLASSES[3])
 
 
 kinds = np.concatenate([classes_of(n).ravel() for n in objects])
-hit = {m: np.concatenate([wraps_off(n, m).ravel() == 0 for n in objects]) for m in names}
+hit = {
+    m: np.concatenate([wraps_off(n, m).ravel() == 0 for n in objects]) for m in names
+}
 found = [kind for kind in CLASSES if (kinds == kind).any()]
 of_class = {k: {m: 100 * hit[m][kinds == k].mean() for m in names} for k in found}
 share = {kind: 100 * (kinds == kind).mean() for kind in found}
 
 # %% tags=["hide-input"]
 figure, axes = plt.subplots(1, 3, figsize=(8.4, 3.6), sharex=True)
-for ax, noise, title in zip(axes, NOISE, ("photon noise", "captures' noise"), strict=False):
+for ax, noise, title in zip(
+    axes, NOISE, ("photon noise", "captures' noise"), strict=False
+):
     plotting.dots(ax, {ROWS.get(m, m): shares(noise, m).mean(1) for m in names}, SCENES)
     ax.set_title(title)
 by_class = {ROWS.get(m, m): [of_class[k][m] for k in found] for m in names}
@@ -486,7 +540,8 @@ CASES = {
 for key, method in (("kde", "kde"), ("network", "tuned")):
     rates = {}
     for noise, case in CASES.items():
-        each = shares(noise, method).mean(axis=1) / 100  # scenes, not seeds, set the interval
+        # scenes, not seeds, set the interval
+        each = shares(noise, method).mean(axis=1) / 100
         ends = np.multiply(student(len(each) - 1).interval(0.95), sem(each))
         rates[case] = np.clip(each.mean() + np.array([0, *ends]), 0, 1)
     paper.check(f"sec8.{key}_scanned", rates, crops=card.crops)

@@ -26,7 +26,13 @@ import sympy as sp
 from scipy.stats import norm
 
 from cmtof import bounds, correlation
-from cmtof.constants import FREQUENCIES, GAIN, INTEGRATION_TIME, LASER_WAVELENGTH, NOISE_SIGMA
+from cmtof.constants import (
+    FREQUENCIES,
+    GAIN,
+    INTEGRATION_TIME,
+    LASER_WAVELENGTH,
+    NOISE_SIGMA,
+)
 from cmtof.constants import SPEED_OF_LIGHT as c
 from cmtof.correlation import TAU, centred, wrap_length
 from cmtof.modulator import SINGLE, doubled_mode_harmonics, single_mode_harmonics
@@ -37,7 +43,8 @@ from cmtof_book.compared import closed_form
 plotting.begin(profile=profile, seed=seed)
 rng = np.random.default_rng(seed)
 (f1, f2) = FREQUENCIES
-true = TAU * (np.arange(360) + 0.5) / 360  # phases that miss the points where a formula is 0/0
+# phases that miss the points where a formula is 0/0
+true = TAU * (np.arange(360) + 0.5) / 360
 quarter = np.arange(4) * np.pi / 2
 
 
@@ -76,20 +83,27 @@ holds[1] = printed == [-45, -45]
 # $T[\frac{\tilde\alpha}{2}\cos(\psi+\phi)+\frac{\tilde\beta}{2}]$, greatest at $\psi=-\phi$, not at
 # $\psi=n\phi$; in [Eq. 20](01_correlation.ipynb#eq-20) the gain multiplies all of it.
 # [Eq. 8](05_simulation.ipynb#eq-8) is right.
-#
+
+# %%
+alpha, beta = sp.symbols("alpha beta", positive=True)
+product = (alpha * sp.cos(angle - phi) + beta) * (
+    sp.cos(angle + psi) + sp.Rational(1, 2)
+)
+mean = sp.integrate(sp.expand(sp.expand_trig(product)), (angle, 0, 2 * sp.pi)) / (
+    2 * sp.pi
+)
+left = sp.simplify(sp.expand_trig(mean - alpha / 2 * sp.cos(psi + phi) - beta / 2))
+print(f"2: residual {left}")
+holds[2] = left == 0
+
+# %% [markdown]
 # ### 3 · Two meanings of ω
 # ω is angular in [Eq. 1](01_correlation.ipynb#eq-1) but a frequency in
 # [Eq. 2](01_correlation.ipynb#eq-2) and in $z=\phi c/4\pi\omega$. If ω were angular there, wraps
 # would be too long by a factor of 2π.
 
 # %%
-alpha, beta = sp.symbols("alpha beta", positive=True)
-product = (alpha * sp.cos(angle - phi) + beta) * (sp.cos(angle + psi) + sp.Rational(1, 2))
-mean = sp.integrate(sp.expand(sp.expand_trig(product)), (angle, 0, 2 * sp.pi)) / (2 * sp.pi)
-left = sp.simplify(sp.expand_trig(mean - alpha / 2 * sp.cos(psi + phi) - beta / 2))
 literal = wrap_length(f1 / TAU) / wrap_length(f1)
-print(f"2: residual {left}")
-holds[2] = left == 0
 print(f"3: a wrap with angular ω is {literal:.3f} times too long")
 holds[3] = np.isclose(literal, TAU)
 
@@ -107,7 +121,10 @@ holds[3] = np.isclose(literal, TAU)
 
 # %% tags=["hide-input"]
 logits = 3.0 * (np.arange(21) == 7)  # a network that is sure of class 7
-sums = [np.sum(w) / np.exp(10 * logits).sum() for w in (10 * np.exp(logits), np.exp(10 * logits))]
+sums = [
+    np.sum(w) / np.exp(10 * logits).sum()
+    for w in (10 * np.exp(logits), np.exp(10 * logits))
+]
 print(f"5: weights add up to {sums[0]:.1e} as printed, {sums[1]:.3f} with γ in both")
 holds[5] = sums[0] < 0.01
 x, eta = sp.symbols("x eta", positive=True)
@@ -116,7 +133,10 @@ factor = sp.simplify(leading / (eta**2 * sp.sin(x) ** 2 / 2))
 drives = np.linspace(0.01, 1.2, 2000)
 j1, j2 = (
     2 * abs(w)
-    for w in (single_mode_harmonics(drives, 1)[:, 1], doubled_mode_harmonics(drives, 2)[:, 2])
+    for w in (
+        single_mode_harmonics(drives, 1)[:, 1],
+        doubled_mode_harmonics(drives, 2)[:, 2],
+    )
 )
 doubled = np.interp(SINGLE.eta, drives, j2 / j1)
 print(
@@ -130,14 +150,6 @@ holds[9] = factor == 2
 # The paper states 2 cm for a wrap at 7 GHz, which is right, but «3 m of unambiguous depth» at 100
 # MHz. Light travels both ways, so a wrap is $c/2f$, 1.50 m there; at 14.32 GHz 2.1 cm is the
 # wavelength, the wrap 1.05 cm.
-#
-# ### 14 · The gauge step †
-# 0.5 mm − 0.4988 mm is 1.2 µm, not 12 µm.
-#
-# ### 18 · Wrap count and phase
-# φ′ of Eq. 6 is an expected class number; the phase is $\hat\varphi+2\pi(n_0+\phi')$. As printed,
-# $z'=\phi'c/4\pi\omega$ is too small by 2π and lacks the fraction of a wrap and the wraps before
-# the first class.
 
 # %%
 wraps = {f: float(wrap_length(f)) for f in (1e8, f1, f2)}
@@ -146,13 +158,29 @@ print(
     f"14.32 GHz {100 * wraps[f2]:.2f} cm of a wavelength of {200 * wraps[f2]:.1f} cm"
 )
 holds[10] = np.isclose(wraps[1e8], 1.5, rtol=0.01)
+
+# %% [markdown]
+# ### 14 · The gauge step †
+# 0.5 mm − 0.4988 mm is 1.2 µm, not 12 µm.
+
+# %%
 off = said("fig14.height_true") - said("fig14.height")
 print(f"14: {1e6 * off:.1f} µm")
 holds[14] = np.isclose(10 * off, said("fig14.height_error"))
+
+# %% [markdown]
+# ### 18 · Wrap count and phase
+# φ′ of Eq. 6 is an expected class number; the phase is $\hat\varphi+2\pi(n_0+\phi')$. As printed,
+# $z'=\phi'c/4\pi\omega$ is too small by 2π and lacks the fraction of a wrap and the wraps before
+# the first class.
+
+# %%
 phase = correlation.phase_from_depth(1.0, f1)
 count = phase // TAU
 read = [float(correlation.depth_from_phase(value, f1)) for value in (count, count - 36)]
-print(f"18: a point at 1 m comes out at {read[0]:.3f} m, from class 36 at {read[1]:.3f} m")
+print(
+    f"18: a point at 1 m comes out at {read[0]:.3f} m, from class 36 at {read[1]:.3f} m"
+)
 holds[18] = read[0] < 0.2
 
 # %% [markdown]
@@ -166,10 +194,12 @@ holds[18] = read[0] < 0.2
 # sine. A bench with the angles exchanged still modulates, with less light.
 
 # %%
-exchanged = replace(SINGLE, half_wave_angle=np.pi / 4, quarter_wave_angle=np.deg2rad(11.25))
+exchanged = replace(
+    SINGLE, half_wave_angle=np.pi / 4, quarter_wave_angle=np.deg2rad(11.25)
+)
 depths = [m.modulation_depth() for m in (SINGLE, exchanged)]
 light = SINGLE.throughput() / exchanged.throughput()
-print(f"8: depth {depths[0]:.3f}, exchanged {depths[1]:.3f} and {light:.1f} times less light")
+print(f"8: depth {depths[0]:.3f}, exchanged {depths[1]:.3f}, {light:.1f} × less light")
 holds[8] = depths[1] < depths[0] and light > 3
 
 # %% [markdown]
@@ -190,8 +220,11 @@ holds[8] = depths[1] < depths[0] and light > 3
 # are feasible and halve the noise of the wrap count. The method's rate in Table 2 would remain low.
 
 # %% tags=["hide-input"]
-sweep = said("sec7.sample_rate") / (said("sec7.samples_per_phase") * said("sec7.phase_steps"))
-damping = abs(1 + 2j * np.pi * sweep * said("sec7.rc_time"))  # of a first-order low-pass
+sweep = said("sec7.sample_rate") / (
+    said("sec7.samples_per_phase") * said("sec7.phase_steps")
+)
+# of a first-order low-pass
+damping = abs(1 + 2j * np.pi * sweep * said("sec7.rc_time"))
 print(f"12: a sweep of {1e3 / sweep:.0f} ms is damped {damping:.0f} times")
 holds[12] = damping > 40
 drop = 1 - said("table3.ambient.delta_lt_1") / said("table3.conventional.delta_lt_1")
@@ -199,13 +232,17 @@ keys = [f"delta_lt_{k}" for k in (1, 2, 3)]
 better = sum(said(f"table2.deep_tof.{k}") > said(f"table2.rapid.{k}") for k in keys)
 better += said("table2.deep_tof.delta_ge_10") < said("table2.rapid.delta_ge_10")
 far = [said(f"table2.{m}.delta_ge_10") for m in ("deep_tof", "kde")]
-print(f"17: loss {drop:.0%}; outliers {far[0]:.2%}, {far[1]:.2%}; Deep-ToF best in {better} of 4")
+print(
+    f"17: loss {drop:.0%}; outliers {far[0]:.2%}, {far[1]:.2%}; Deep-ToF best in {better} of 4"
+)
 holds[17] = drop > 0.15 and far[0] < far[1] and better == 3
 
 
 pairs = ((7.15e9, 7.16e9), (7.14e9, 7.16e9))
 gains = [bounds.wrap_noise(1.0, 1.0, frequencies=pair) for pair in pairs]
-print(f"22: 7.14 and 7.16 GHz have {gains[1] / gains[0]:.2f} of the noise of 7.15 and 7.16 GHz")
+print(
+    f"22: 7.14 and 7.16 GHz have {gains[1] / gains[0]:.2f} of the noise of 7.15 and 7.16 GHz"
+)
 holds[22] = gains[0] / gains[1] > 1.9
 
 # %% [markdown]
@@ -222,12 +259,22 @@ holds[22] = gains[0] / gains[1] > 1.9
 
 # %% tags=["hide-input"]
 table4 = {
-    f"{name}, {target}": tuple(said(f"table4.{key}.{m}_{target}") for m in ("rmse", "mae"))
-    for name, key in (("proposed", "proposed"), ("RF", "rf"), ("interferometer", "interferometry"))
+    f"{name}, {target}": tuple(
+        said(f"table4.{key}.{m}_{target}") for m in ("rmse", "mae")
+    )
+    for name, key in (
+        ("proposed", "proposed"),
+        ("RF", "rf"),
+        ("interferometer", "interferometry"),
+    )
     for target in ("mirror", "diffuse")
 }
-tolerance = {name: 0.5e-6 if "interf" in name else 5e-8 for name in table4} | {"RF, diffuse": 5e-5}
-least = [np.sqrt((r - 5e-8) ** 2 - (m + 5e-8) ** 2) for r, m in list(table4.values())[:2]]
+tolerance = {name: 0.5e-6 if "interf" in name else 5e-8 for name in table4} | {
+    "RF, diffuse": 5e-5
+}
+least = [
+    np.sqrt((r - 5e-8) ** 2 - (m + 5e-8) ** 2) for r, m in list(table4.values())[:2]
+]
 stated = said("fig13.standard_deviation")
 print(
     f"24: RMSE and MAE of {np.multiply(1e6, table4['proposed, mirror'])} µm need at least "
@@ -273,8 +320,12 @@ share = np.sqrt((1 - said("fig14.r_squared")) / 12)
 span = said("table4.proposed.rmse_mirror") / share
 grid = np.linspace(0, 0.1, samples)
 noisy = grid + share * 0.1 * rng.standard_normal(samples)
-r_squared = 1 - np.var(noisy - np.polyval(np.polyfit(grid, noisy, 1), grid)) / np.var(noisy)
-print(f"27: {share:.2%} of the span, 33.5 µm of {1e3 * span:.1f} mm; simulated R² {r_squared:.4f}")
+r_squared = 1 - np.var(noisy - np.polyval(np.polyfit(grid, noisy, 1), grid)) / np.var(
+    noisy
+)
+print(
+    f"27: {share:.2%} of the span, 33.5 µm of {1e3 * span:.1f} mm; simulated R² {r_squared:.4f}"
+)
 holds[27] = abs(r_squared - said("fig14.r_squared")) < 1e-5
 
 # %% [markdown]
@@ -319,11 +370,18 @@ nyquist = np.abs(spectrum[2].imag).max()
 scale = np.median(2 * np.abs(spectrum[1]))
 print(f"7: Im F₂ = {nyquist:.1g}; 2|F₁| is {scale:.0f} times the amplitude")
 drive = np.arange(16) * TAU / 16
-bins = [int(np.abs(np.fft.rfft(np.cos(order * drive + 1))).argmax()) for order in (1, 2)]
-print(f"7: a turn of the drive has its fundamental in F{bins[0]} (single) and F{bins[1]} (doubled)")
+bins = [
+    int(np.abs(np.fft.rfft(np.cos(order * drive + 1))).argmax()) for order in (1, 2)
+]
+print(
+    f"7: a turn of the drive has its fundamental in F{bins[0]} (single) and F{bins[1]} (doubled)"
+)
 holds[7] = nyquist < 1e-12 and np.isclose(scale, 4) and bins == [1, 2]
-spread = np.sqrt(np.subtract(*np.square(table4["proposed, diffuse"])))  # of RMSE and MAE
-times = [2e15 * value / c for value in (said("table4.proposed.rmse_mirror"), stated, spread)]
+# of RMSE and MAE
+spread = np.sqrt(np.subtract(*np.square(table4["proposed, diffuse"])))
+times = [
+    2e15 * value / c for value in (said("table4.proposed.rmse_mirror"), stated, spread)
+]
 print(
     f"11: accuracy {times[0]:.0f} fs; {1e6 * stated:.1f} to {1e6 * spread:.1f} µm are "
     f"{times[1]:.0f} to {times[2]:.0f} fs"
@@ -418,25 +476,32 @@ holds[23] = moved > 0.5
 blind = rng.uniform(0, wraps[f1], samples) - rng.uniform(0, said("sec8.sweep"), samples)
 rmse = 1e3 * np.sqrt((blind**2).mean())
 mae = 1e3 * np.abs(blind).mean()
-print(f"25: a phase over {1e3 * wraps[f1]:.0f} mm has RMSE {rmse:.2f} and MAE {mae:.2f} mm")
+print(
+    f"25: a phase over {1e3 * wraps[f1]:.0f} mm has RMSE {rmse:.2f} and MAE {mae:.2f} mm"
+)
 holds[25] = mae < 1e3 * said("table4.rf.mae_diffuse") - 1
 
 # %% [markdown]
 # ### 26 · Fringes between steps
 # The interferometer was unwrapped sequentially along steps of 50 µm, each 188 fringes: neighbouring
 # positions do not determine the fringe. Counting needs phases measured while the stage moved.
-#
-# ### 28 · Photon budgets
-# The MHz camera's 8 mW for 8 ms are called «comparable» to the photon budget of the scanner, whose
-# 3 mW illuminate one point while the camera's illuminate a whole frame.
 
 # %%
 fringes = said("sec8.sweep_step") / (LASER_WAVELENGTH / 2)
 print(f"26: {fringes:.0f} fringes a step")
 holds[26] = fringes > 0.5
+
+# %% [markdown]
+# ### 28 · Photon budgets
+# The MHz camera's 8 mW for 8 ms are called «comparable» to the photon budget of the scanner, whose
+# 3 mW illuminate one point while the camera's illuminate a whole frame.
+
+# %%
 point = said("sec7.laser_power") / sweep
 frame = said("fig15.mhz_power") * said("fig15.mhz_exposure")
-print(f"28: for 100×100 points {1e4 * point / frame:.0f} times the energy at each frequency")
+print(
+    f"28: for 100×100 points {1e4 * point / frame:.0f} times the energy at each frequency"
+)
 holds[28] = 1e4 * point / frame > 1000
 
 # %% [markdown]

@@ -165,8 +165,15 @@ def intervals(
         ax.plot(ends, [place, place], color=colors[name], lw=3, alpha=0.45)
         ax.plot(value, place, "o", color=colors[name], ms=5)
     theirs = [published.get(name, np.nan) for name in rows]
-    words = "the paper, its own scenes"
-    ax.plot(theirs, range(len(rows)), "D", mfc="none", mec="black", ms=5, label=words)
+    ax.plot(
+        theirs,
+        range(len(rows)),
+        "D",
+        mfc="none",
+        mec="black",
+        ms=5,
+        label="the paper, its own scenes",
+    )
     _name_rows(ax, rows)
 
 
@@ -182,15 +189,14 @@ def _name_rows(ax: Axes, rows: Iterable[str]) -> None:
     """Names of rows at the left, the first on top."""
     names = list(rows)
     ax.set_yticks(range(len(names)), names)
-    ax.invert_yaxis()
+    ax.set_ylim(len(names) - 0.3, -0.6)  # room for all dots of the first and last row
 
 
 def label_panels(axes: Iterable[Axes]) -> None:
     """Put (a), (b), … before the titles of panels, in the order given."""
     for letter, ax in zip(ascii_lowercase, axes, strict=False):
-        title = ax.get_title()
+        ax.set_title(f"({letter}) {ax.get_title()}".rstrip(), loc="left")
         ax.set_title("")
-        ax.set_title(f"({letter}) {title}".rstrip(), loc="left")
 
 
 def points(fig: Figure) -> Iterator[tuple[int, str, float, float]]:
