@@ -505,7 +505,7 @@ def by_torch(name):
 
 def by_onnx(name):
     """Network of ONNX Runtime with the shipped weights."""
-    return partial(run_padded, load_network(weights_path(name, "released")).network)
+    return partial(run_padded, load_network(weights_path(name, "released")))
 
 
 def seconds(name, size, run):

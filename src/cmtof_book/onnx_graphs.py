@@ -45,7 +45,7 @@ def graph_of(network: Network) -> bytes:
             training=torch.onnx.TrainingMode.PRESERVE,  # or names of weights would be lost
             input_names=[kind],
             output_names=[network.target],
-            dynamic_axes={kind: [2, 3], network.target: [1, 2, 3]},
+            dynamic_axes={kind: {2: "rows", 3: "columns"}, network.target: [1, 2, 3]},
         )
     model = onnx.load_from_string(written.getvalue())
     for weight in model.graph.input[1:]:

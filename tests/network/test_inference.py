@@ -68,7 +68,7 @@ def test_every_network_answers_as_in_torch(tmp_path, name, size):
     weights.save_weights(path, network, card(name, "full"))
     inputs = torch.randn(1, network.inputs, *size).numpy()
     expected = in_torch(weights.load_weights(path).network, inputs)
-    found = inference.run_padded(inference.load_network(path).network, inputs)
+    found = inference.run_padded(inference.load_network(path), inputs)
     if network.target == "depth":
         found = CLASSES["full"][1] * (0.5 + found)
     assert_allclose(found, expected, rtol=0, atol=1e-5 * np.abs(expected).max())

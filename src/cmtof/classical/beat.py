@@ -16,7 +16,7 @@ from cmtof.bounds import rounding_odds, wrap_noise
 from cmtof.correlation import TAU, centred, phase_from_depth, wrap_length
 from cmtof.estimate import Estimate, phase_noise, within_range
 from cmtof.measurement import Measurement
-from cmtof.types import Array, Complex
+from cmtof.types import Array, Arrays, Complex
 
 # Side of the averaging window, px: the best mean of both protocols out of 21 to 161 px on 40 views
 # of validation rooms (released 18.0 %, full 10.5 % of delta < 1).
@@ -56,12 +56,18 @@ def synthetic_frequency(low: float, high: float) -> Synthetic:
     return Synthetic(multiple, abs(difference), 1 if difference > 0 else -1)
 
 
-def beat_phasor(measurement: Measurement) -> Complex:
-    """Phasor ``|p_1| |p_2| exp(i (phi_2 - k phi_1))`` (H, W), counts^2; zero where unknown."""
+def beat_polar(measurement: Measurement) -> Arrays:
+    """Size ``|p_1| |p_2|``, counts^2, zero where unknown, and angle of the beat, rad, (H, W)."""
     synthetic = synthetic_frequency(*measurement.frequencies[:2])
     low, high = measurement.phase[:2]
     size = np.nan_to_num(measurement.amplitude[0] * measurement.amplitude[1])
-    return size * np.exp(1j * synthetic.sign * (high - synthetic.multiple * low))
+    return size, synthetic.sign * (high - synthetic.multiple * low)
+
+
+def beat_phasor(measurement: Measurement) -> Complex:
+    """Phasor ``|p_1| |p_2| exp(i (phi_2 - k phi_1))`` (H, W), counts^2; zero where unknown."""
+    size, angle = beat_polar(measurement)
+    return size * np.exp(1j * angle)
 
 
 def beat(measurement: Measurement, *, window: int = WINDOW) -> Estimate:
@@ -211,15 +217,17 @@ def confirmed(depth: Array, odds: Array, measurement: Measurement) -> Estimate:
     ``exp(2 - r^2 / 2)`` of the odds.
     """
     synthetic = synthetic_frequency(*measurement.frequencies[:2])
-    turned = beat_phasor(measurement) * np.exp(
-        -1j * phase_from_depth(depth, synthetic.frequency)
+    size, angle = beat_polar(measurement)
+    left = centred(angle - phase_from_depth(depth, synthetic.frequency))
+    size /= size.max() or 1.0  # its squares are within single precision
+    size, left = np.where(measurement.mask, [size, left], 0).astype(np.float32)
+    mean = uniform_filter(size * np.cos(left), WINDOW) + 1j * uniform_filter(
+        size * np.sin(left), WINDOW
     )
-    left = np.where(measurement.mask, turned, 0)
-    mean = uniform_filter(left, WINDOW)
-    around = noise_of_mean(mean, uniform_filter(np.abs(left) ** 2, WINDOW), WINDOW**2)
+    around = noise_of_mean(mean, uniform_filter(size**2, WINDOW), WINDOW**2)
     low, high = phase_noise(measurement)
     least = np.pi * synthetic.frequency / measurement.frequencies[0]
     noises = [around, np.hypot(synthetic.multiple * low, high)]
-    off = np.angle([mean, left]) / np.maximum(noises, least)
+    off = [np.angle(mean), left] / np.maximum(noises, least)
     share = np.exp(np.minimum(2 - off**2 / 2, 0).sum(axis=0))
     return Estimate(depth, np.interp(odds * share, *CALIBRATION))
