@@ -227,7 +227,9 @@ def output(ready: Ready, measurement: Measurement, mirrored: bool = False) -> Si
         run_padded(ready, _inputs([image[mirror] for image in images], kind))[mirror]
         for mirror in mirrors
     )
-    return reduce(np.add, found) / np.float32(len(mirrors))
+    total = reduce(np.add, found)
+    total /= len(mirrors)
+    return total
 
 
 def _inputs(images: list[Single], kind: str) -> Single:
