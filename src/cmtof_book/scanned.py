@@ -76,7 +76,7 @@ NEXT_LEGS: Values = FIRST_LEG | {
 
 DEPTH_WEIGHT = 0.005  # weight of the distance in depth, 1/mm, as where the network was trained last
 
-MOST_LEGS = 5
+MOST_LEGS = 6
 
 Noise = str | float  # one of `cmtof_lab.settings.NOISE`, or a multiple of the captures'
 
