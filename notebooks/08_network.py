@@ -33,6 +33,8 @@ import matplotlib.pyplot as plt
 import numpy as np
 import torch
 from matplotlib.patches import FancyArrowPatch, Rectangle
+from scipy.stats import linregress
+from scipy.stats import t as student_t
 from torch.utils.flop_counter import FlopCounterMode
 
 import cmtof
@@ -428,6 +430,55 @@ notes.table(
 )
 for c in filter(None, held.values()):
     print(f"{c.model}, {c.protocol}: {c.data}; {c.hardware}")
+
+# %% [markdown]
+# ## What more training would bring
+#
+# The last stages of `fast-scnn` were trained on rooms at the paper's scale. A line through the
+# validation rates at their ends, over the logarithm of the pixels seen there, is drawn on to the
+# pixels of the paper's training: 500,000 crops of 512×512.
+
+# %% tags=["hide-input"]
+card = shipped["fast-scnn"]
+stages = [
+    (run.get("stopped_after_steps", part["crops"] // part["batch"]), part)
+    for run in card.configuration.values()
+    if (run.get("rooms") or {}).get("height") == large[0]
+    for part in run["stages"]
+]
+steps = np.array([count for count, _ in stages])
+seen = np.cumsum([count * part["batch"] * part["crop"] ** 2 for count, part in stages])
+ends = card.steps - steps[::-1].cumsum()[::-1] + steps
+at, curve = np.array([(one["step"], one["delta_lt_1"]) for one in card.curve]).T
+found = 100 * curve[np.searchsorted(at, ends, side="right") - 1]
+line = linregress(np.log2(seen), found)
+PAPER_PIXELS = 500_000 * 512**2
+shown = np.geomspace(seen[0], PAPER_PIXELS)
+rise = np.log2(shown)
+off = rise - np.log2(seen).mean()
+# 95 % for a new point, with all the scatter about the line
+scatter = line.stderr * np.sqrt(off**2 + np.log2(seen).var() * (len(seen) + 1))
+band = student_t.ppf(0.975, len(seen) - 2) * scatter
+figure, ax = plt.subplots(figsize=(6.0, 3.4))
+expected = line.intercept + line.slope * rise
+ax.fill_between(shown, expected - band, expected + band, alpha=0.2, lw=0)
+ax.plot(shown, expected, "--", label="line, and where a new point would lie (95 %)")
+ax.plot(seen, found, "o", color="black", label="ends of stages")
+ax.set(xscale="log", xlabel="pixels seen", ylabel="validation, δ < 1 (%)")
+ax.set(ylim=(0, 100))
+ax.legend(loc="lower right")
+plotting.save(
+    figure,
+    "table1_pixels",
+    numbers={"points_a_doubling": line.slope, "paper": expected[-1], "off": band[-1]},
+    caption="Validation rate of `fast-scnn` (simulated rooms, 768×1024, released, σ = 1200) over "
+    "the pixels of the stages at that scale, drawn on to the paper's number of pixels.",
+    alt="Points that rise slowly over the logarithm of the pixels, with a line and its band.",
+)
+print(
+    f"a doubling of the pixels: {line.slope:+.1f} points; with the paper's pixels "
+    f"{expected[-1]:.0f} ± {band[-1]:.0f} % of these views, with ours {found[-1]:.0f} %"
+)
 
 # %% [markdown]
 # ## The shipped weights on the test frames
