@@ -3,8 +3,8 @@
 #
 # How much does a higher modulation frequency improve the depth (Paper Fig. 3, simulated)?
 #
-# The gain is the reason to build an instrument for gigahertz light; its price is that the phase
-# repeats every two centimetres.
+# This gain is why one builds an instrument for gigahertz light. Its price: the phase repeats every
+# two centimetres.
 
 # %% tags=["parameters", "hide-input"]
 profile: str = "book"  # size profile
@@ -153,16 +153,16 @@ rows = [
 notes.table(["change over 1 mm", "100 MHz", "8 GHz", "gain"], rows)
 
 # %% [markdown]
-# The paper's two numbers are correct, but hold where their ratio is greatest
+# The paper's two numbers are correct, but they hold at the point where their ratio is greatest
 # ([erratum 13](22_errata.ipynb#erratum-13)). Of four samples at quarter turns some always lie on a
 # slope, so the phase error does not depend on the phase.
 #
 # ## Large phase noise
 #
 # A phase is the angle of a phasor. Gaussian noise of σ causes a phase noise
-# $\sigma_\varphi=\sigma/a$ as long as σ ≪ a. For darker pixels the tails grow; in the limit the
-# angle is uniform, with standard deviation $\pi/\sqrt3$. With $\rho = a/\sigma$ the density of the
-# error is ([Goodman 2015](../book/references.bib#goodman2015))
+# $\sigma_\varphi=\sigma/a$ as long as σ ≪ a. For darker pixels the tails of the distribution grow;
+# in the limit the angle is uniform, with standard deviation $\pi/\sqrt3$. With $\rho = a/\sigma$
+# the density of the error is ([Goodman 2015](../book/references.bib#goodman2015))
 #
 # $$
 # p(\theta) = \frac{e^{-\rho^2/2}}{2\pi}

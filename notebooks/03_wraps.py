@@ -1,8 +1,8 @@
 # %% [markdown]
 # # Wraps
 #
-# At 100 MHz the phase wraps every 1.5 m, at 7.15 GHz every 21 mm (Paper Fig. 4, simulated). Can two
-# frequencies tell how often it has wrapped?
+# At 100 MHz the phase wraps every 1.5 m, at 7.15 GHz every 21 mm (Paper Fig. 4, simulated). Do two
+# frequencies show how often it has wrapped?
 #
 # A wrong count moves a point by 21 mm or more, so depth is only as good as the count. The rest of
 # the book looks for pixels that belong together.
@@ -82,8 +82,8 @@ plotting.save(
 )
 
 # %% [markdown]
-# **The number of wraps depends on the scene**: it is the span of depth over $c/2f$. The paper's 1
-# and 35 wraps follow from the depth of its scene, which is not published.
+# **The number of wraps depends on the scene**: it is the span of depth over $c/2f$. The paper
+# counts 1 and 35 wraps in its scene, whose depth is not published.
 #
 # ## Two frequencies
 #
@@ -141,8 +141,9 @@ counted = np.array(
 error = np.sqrt(law * (1 - law)) / odds_side
 
 # %% [markdown]
-# Pixels must be pooled: either the *beats* of neighbours (products of noisy phasors), or the
-# correlations first, so that each frequency's phasor is clean *before* the beat is taken.
+# Pixels must be pooled. One can average the *beats* of neighbours, which are products of noisy
+# phasors. Or one averages the correlations first, so that each frequency's phasor is clean *before*
+# the beat is taken.
 
 # %% tags=["hide-input"]
 sides = np.array([1, 4, 8, 16, 24, 32, 48, 64])

@@ -249,10 +249,10 @@ plotting.save(
 )
 
 # %% [markdown]
-# Input and output polarisation must be crossed; exchanging them changes nothing. The other port
-# gives the complement, $1 - I$: the opposite sign in the single mode, a bright background in the
-# doubled one. The plate also sets the bias: a static birefringence Γ of the crystal adds to V and
-# is cancelled by turning the half-wave plate by $-\Gamma/4$.
+# Input and output polarisation must be crossed; exchanging them changes nothing. The other port of
+# the splitter gives the complement, $1 - I$: the opposite sign in the single mode, a bright
+# background in the doubled one. The plate also sets the bias: a static birefringence Γ of the
+# crystal adds to V and is cancelled by turning the half-wave plate by $-\Gamma/4$.
 #
 # The light travels to the mirror and back, so the two passes see $V(t)$ and $V(t+\delta t)$, whose
 # sum is $2\eta\cos(\delta/2)\sin(\theta+\delta/2)$ with $\delta = 4\pi fd/c$. At a spacing of half
@@ -377,8 +377,8 @@ plotting.save(
 notes.say(
     r"""
     The photodiode passes {response_single:.2f} of the amplitude at 7.15 GHz and
-    {response_doubled:.2f} at 14.32 GHz, but all of the mean, so that the contrast it shows is a
-    lower bound of the light's. For any angle of the plate
+    {response_doubled:.2f} at 14.32 GHz, but all of the mean. The contrast that it shows is
+    therefore a lower bound of the light's. For any angle of the plate
     $I=\frac12(1+\cos(8\theta_h+2\eta\sin\omega t))$, which the sliders draw.
     """,
     response_single=response[0],
@@ -451,7 +451,7 @@ print(f"signal, doubled over single: {weak:.1%} at η = {eta}, {strong:.0%} at �
 #
 # ## Tolerances
 #
-# Four errors, one at a time. *Depth* is the wanted harmonic's amplitude over the mean,
+# Here are four errors, one at a time. *Depth* is the wanted harmonic's amplitude over the mean,
 # $2|W_m|/W_0$; *leak* is the drive's own frequency against the doubled one, $|W_1|/|W_2|$.
 
 

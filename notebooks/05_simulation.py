@@ -101,16 +101,16 @@ plotting.save(
 # \hat a = 2\,\bigl|\mathcal F_2(C_\psi)\bigr| .
 # \tag{9}$$
 #
-# That holds for equal steps in rising order, and if $\mathcal F_0$ is the mean, as the paper says,
-# the fundamental is $\mathcal F_1$; of four samples $\mathcal F_2$ is the Nyquist bin, which is
-# real ([erratum 7](22_errata.ipynb#erratum-7)). Here decoding is a **least-squares fit** of
+# This holds for equal steps in rising order. If $\mathcal F_0$ is the mean, as the paper says, the
+# fundamental is $\mathcal F_1$. Of four samples $\mathcal F_2$ is the Nyquist bin, which is real
+# ([erratum 7](22_errata.ipynb#erratum-7)). Here decoding is a **least-squares fit** of
 #
 # $$
 # C_\psi = d + x\cos\psi - y\sin\psi ,\qquad
 # \hat\varphi = \mathrm{atan2}(y, x),\quad \hat a=\sqrt{x^2+y^2},
 # \tag{5.1}$$
 #
-# to whatever ψ the file states: any number from three up, any spacing, any order.
+# to the values of ψ that the file states: at least three, of any spacing and order.
 
 # %% tags=["hide-input"]
 truth = np.linspace(0, TAU, 400, endpoint=False)
@@ -150,8 +150,8 @@ for name in embedded_frames():
     print(f"   pixels that rounding moved across a wrap's boundary: {moved}")
 
 # %% [markdown]
-# Rounding may move a pixel across the boundary of a wrap; with the neighbouring count its depth is
-# still right, so this book distinguishes [two wrap counts](../book/notation.md).
+# Rounding may move a pixel across the boundary of a wrap. With the neighbouring count its depth is
+# still right. This book therefore distinguishes [two wrap counts](../book/notation.md).
 #
 # ## The order of the two noise terms
 #

@@ -92,8 +92,8 @@ plotting.save(
 # %% [markdown]
 # ## Beside Hypersim
 #
-# Of Hypersim only percentiles are compared: brightness (0.30 R + 0.59 G + 0.11 B) determines the
-# noise, range the number of wraps.
+# Only percentiles of Hypersim are compared. Brightness (0.30 R + 0.59 G + 0.11 B) determines the
+# noise; range determines the number of wraps.
 
 # %% tags=["hide-input"]
 HYPERSIM = {
@@ -125,9 +125,9 @@ print(f"beyond 7.5 m: {np.mean(ours['range (m)'] > 7.5):.0%} of the pixels")
 # The difficulty depends on changes of range. The steeper a surface, the fewer of its pixels can be
 # averaged. At its end a method must start again, with only the next surface's pixels to find the
 # wrap. Where the machine has them, path-traced frames of one furnished room, made by others, are
-# shown too, at every second pixel to match the lens. Slope, jump and surface size of these frames
-# were looked at while the rooms were written, and the rooms came nearer to them. That both agree
-# below is therefore no independent test.
+# shown too, at every second pixel to match the lens. The generator of the rooms was tuned with a
+# view to the slopes, jumps and surface sizes of these frames. Their agreement below is therefore no
+# independent test.
 
 # %% tags=["hide-input"]
 root = data_root()

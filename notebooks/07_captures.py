@@ -119,9 +119,9 @@ inside = {
 }
 
 # %% [markdown]
-# A quadratic surface fitted to 5×5 phases, turned back by their local slope so that no wrap lies
-# between them, leaves the noise (`cmtof.noise`). In the simulator the phase noise of four images
-# comes from photons and from Gaussian noise of σ counts:
+# A quadratic surface is fitted to 5×5 phases, from which the local slope is first removed, so that
+# no wrap lies between them. What the fit leaves is the noise (`cmtof.noise`). In the simulator the
+# phase noise of four images comes from photons and from Gaussian noise of σ counts:
 #
 # $$
 # \sigma_\varphi\approx\frac{\sqrt{GTI/2+\sigma^2}}{\sqrt2\,a},\qquad a=\frac{GTI}{\pi}.
@@ -175,9 +175,10 @@ plotting.save(
 # %% [markdown]
 # ## Noise of the phase
 #
-# A scan is taken once, so its noise is estimated from neighbours. White noise has local squares
-# that follow a χ² law with 19 degrees of freedom (25 pixels less six coefficients), no correlation
-# of neighbours, and a fifth of its size in the average of 5×5 phasors, less the local slope.
+# A scan is taken once, so its noise is estimated from neighbours. White noise has three properties.
+# Its local squares follow a χ² law with 19 degrees of freedom (25 pixels less six coefficients).
+# Neighbours are not correlated. The average of 5×5 phasors, less the local slope, has a fifth of
+# the noise.
 
 # %% tags=["hide-input"]
 local = {
@@ -270,9 +271,9 @@ for name, value in sigma.items():
 # ## From phase to depth
 #
 # Within a surface the wrap follows from neighbours; across an occlusion it does not. Wall and
-# objects are therefore unwrapped apart
-# ([Herráez et al. 2002](../book/references.bib#herraez2002)), where the average is coherent.
-# Each connected piece gets the whole wraps that bring its median nearest to the reference.
+# objects are therefore unwrapped separately ([Herráez et al.
+# 2002](../book/references.bib#herraez2002)), where the average is coherent. Each connected piece
+# gets the whole wraps that bring its median nearest to the reference.
 
 
 # %% tags=["hide-input"]
@@ -510,10 +511,11 @@ notes.table(
 # simulator's pixels are independent. Where neighbours or columns of a scan share their noise,
 # averages over a surface improve more slowly than in the simulation.
 #
-# **Edges.** Over the whole map more residuals lie beyond 3.5 σ than on the wall: surfaces that no
-# quadratic fits, fine relief, dark paint, or a beam of finite width across two depths. The data do
-# not separate these causes. **Not settled**: the amplitude over the scene is unknown, so noise is
-# compared with that of uniform brightness; and one map a scene does not show changes between scans.
+# **Edges.** Over the whole map more residuals lie beyond 3.5 σ than on the wall. Possible causes
+# are surfaces that no quadratic fits, fine relief, dark paint, or a beam of finite width across two
+# depths. The data do not separate these causes. **Not settled**: the amplitude over the scene is
+# unknown, so noise is compared with that of uniform brightness. One map of each scene does not show
+# changes between scans.
 
 # %% [markdown]
 # ## Answer

@@ -64,10 +64,10 @@ vermillion = plotting.PALETTE["vermillion"]
 # ## Layers (Paper Fig. 5)
 #
 # The paper lists the layers in a supplement that could not be obtained, so **these are our
-# reading**; height is resolution. Deep features have wide context (the pyramid adds means over up
-# to 264 pixels), shallow ones fine detail; both are added at a quarter of the resolution. The
-# orange line is the paper's skip from the first layer to the last. Ours are batch norms, first
-# filters that form the beat, two dilated bottlenecks and the widest mean.
+# reading**. The height of a block is its resolution. Deep features have wide context (the pyramid
+# adds means over up to 264 pixels), shallow ones fine detail; both are added at a quarter of the
+# resolution. The orange line is the paper's skip from the first layer to the last. Batch norms,
+# first filters that form the beat, two dilated bottlenecks and the widest mean are our own choice.
 
 # %% tags=["hide-input"]
 network = build_network("fast-scnn").eval()
@@ -233,9 +233,9 @@ for hardness in (1.0, 2.0, 4.0, 16.0):
 #   =2\,|\sin\tfrac{b-\beta}{2}|\;|\sin(\ldots)|.$$
 #
 # Both cosines are octaves of Eq. 5, and a mean over angles α leaves the beat. Half of the stem's
-# filters are initialised so, for two β beside the middle of the range, and their sums are passed on
-# to the pyramid. Inputs and layers remain as above; a row without Fourier features cannot have
-# this initialisation.
+# filters are initialised in this way, with β at two values near the middle of the range. Their sums
+# are passed on to the pyramid. Inputs and layers remain as above; a row without Fourier features
+# cannot have this initialisation.
 #
 # For odds of 95 % theory requires this many pixels of *one smooth surface of known shape*
 # ([chapter 3](03_wraps.ipynb)); the network's receptive field has 256 pixels to each side.
@@ -336,8 +336,8 @@ for what, (one, other) in PAIRS.items():
 # %% [markdown]
 # Three rows were trained again, with 56,000 crops each at the paper's scale and noise that rises
 # from 20 counts, as `rapid`, `u-net` and `deep-tof` were. The table counts them on the same rooms
-# at the paper's image size. Now phases alone teach the network, too: what held them back was the
-# noise at the start, or the number of crops.
+# at the paper's image size. Now the network learns from phases alone, too: before, the noise at the
+# start or the number of crops prevented it.
 
 # %% tags=["hide-input"]
 later, recounted = rows_of("table1_released_768x1024_1200.json")
@@ -391,8 +391,8 @@ plotting.save(
 # %% [markdown]
 # ## The shipped weights
 #
-# A row is *trained* if its validation rate beats the best constant answer with 95 % confidence, by
-# its card, which has every stage of its training. Other networks have no weights here.
+# A row is *trained* if its validation rate beats the best constant answer with 95 % confidence. Its
+# card holds that rate and every stage of its training. Other networks have no weights here.
 
 # %% tags=["hide-input"]
 held = {}
@@ -616,8 +616,9 @@ notes.answer(
 # %% [markdown]
 # ## Against the paper
 #
-# Compared are the rows with most crops, a ninth of the paper's at most. The gain by Fourier
-# features is measured between rows that also differ in edges; edges alone change little here.
+# The rows with most crops are compared; they had a ninth of the paper's crops at most. The gain by
+# Fourier features is measured between rows that also differ in edges; edges alone change little
+# here.
 
 # %% tags=["hide-input"]
 stage = read_config("paper").stages[0]

@@ -55,7 +55,8 @@ frames = [every[place].middle(height, width) for place in places]
 #
 # The wrap follows from the sum of a surface's phasors over a window. In the upper curve the shape
 # of every surface is known (`reference-field`); in the lower one the beat is averaged over all of
-# the window: it mixes the two sides of an edge, and its amplitude falls as the beat changes.
+# the window. This average mixes the two sides of an edge, and its amplitude falls where the beat
+# changes.
 
 # %% tags=["hide-input"]
 measured = {
@@ -118,9 +119,9 @@ plotting.save(
 # | `reference-offset` | the shape of each surface, between creases | one offset a surface |
 # | `reference-field` | as `reference-offset`, within 281 px | one offset a pixel |
 #
-# All but the first subtract the known shape from both phases, add the phasors that belong together,
-# and get the fraction of a wrap from the lower frequency's sum and the whole wraps from the beat of
-# both sums. The window of `reference-field` is the receptive field of the paper's network as it is
+# All but the first subtract the known shape from both phases and add the phasors that belong
+# together. The lower frequency's sum gives the fraction of a wrap, the beat of both sums the whole
+# wraps. The window of `reference-field` is the receptive field of the paper's network as it is
 # built here ([chapter 8](08_network.ipynb)).
 
 # %% tags=["hide-input"]
@@ -170,7 +171,7 @@ print(
 # ## Errors of the references
 #
 # In `reference-offset` small surfaces fail first, dark ones next. In `reference-contact` only those
-# fail that touch nothing or only dark surfaces.
+# surfaces fail that touch nothing, or only dark surfaces.
 
 # %% tags=["hide-input"]
 names = ("surfaces", "reference-offset", "reference-contact", "reference-depth")

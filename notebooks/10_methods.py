@@ -100,8 +100,8 @@ draw(
 show_swipe(scenes[0], "fast-scnn", "surfaces")
 
 # %% [markdown]
-# The next figure, on demand, has the other methods and three references. `reference-depth` combines
-# the measured phase with the best possible wraps: its black pixels are those that the phase allows.
+# The next figure has the other methods and three references. `reference-depth` combines the
+# measured phase with the best possible wraps: its black pixels are all that the phase allows.
 # `reference-offset` knows the true surfaces and finds one offset for each, `reference-contact` one
 # for all that is connected ([chapter 9](09_limits.ipynb)). `hybrid` joins our version of the
 # paper's network and this book's method: `surfaces` says which pixels share an offset, and the
@@ -134,21 +134,21 @@ draw("fig10_others", OTHERS, "Other methods, and references.", folded=True)
 #
 # Every method gets the correlation images and a range of depths, and returns a depth for each
 # pixel. The phasor method needs two close frequencies, so its images are simulated separately, of
-# the same frame with the same noise. The paper's rows are phasor imaging
-# ([Gupta et al. 2015](../book/references.bib#gupta2015)), CRT
-# ([Xia and Wang 2007](../book/references.bib#xia2007)), KDE
-# ([Järemo Lawin et al. 2016](../book/references.bib#lawin2016)), One-Step
-# ([Wang et al. 2019](../book/references.bib#wang2019)), U-Net
-# ([Ronneberger et al. 2015](../book/references.bib#ronneberger2015)), Deep-ToF
-# ([Su et al. 2018](../book/references.bib#su2018)) and Rapid
-# ([Zhang et al. 2019](../book/references.bib#zhang2019)), whose network is DeepLabV3+
-# ([Chen et al. 2018](../book/references.bib#chen2018)). Of these networks the paper states for
-# Deep-ToF alone that it reads raw correlations; here all do, since Rapid learnt nothing from
-# wrapped ones ([chapter 8](08_network.ipynb)). The random field takes its two-frequency term from
-# [Valadão and Bioucas-Dias 2009](../book/references.bib#valadao2009), its solvers from
-# [Hirschmüller 2008](../book/references.bib#hirschmuller2008) and
-# [Bioucas-Dias and Valadão 2007](../book/references.bib#bioucas2007); averages stop at edges as
-# in [He et al. 2013](../book/references.bib#he2013).
+# the same frame with the same noise. The paper's rows are phasor imaging ([Gupta et al.
+# 2015](../book/references.bib#gupta2015)), CRT ([Xia and Wang
+# 2007](../book/references.bib#xia2007)), KDE ([Järemo Lawin et al.
+# 2016](../book/references.bib#lawin2016)), One-Step ([Wang et al.
+# 2019](../book/references.bib#wang2019)), U-Net ([Ronneberger et al.
+# 2015](../book/references.bib#ronneberger2015)), Deep-ToF ([Su et al.
+# 2018](../book/references.bib#su2018)) and Rapid ([Zhang et al.
+# 2019](../book/references.bib#zhang2019)), whose network is DeepLabV3+ ([Chen et al.
+# 2018](../book/references.bib#chen2018)). The paper says only of Deep-ToF that it reads raw
+# correlations; here all of these networks do, since Rapid learnt nothing from wrapped phases
+# ([chapter 8](08_network.ipynb)). The random field takes its two-frequency term from [Valadão and
+# Bioucas-Dias 2009](../book/references.bib#valadao2009), its solvers from [Hirschmüller
+# 2008](../book/references.bib#hirschmuller2008) and [Bioucas-Dias and Valadão
+# 2007](../book/references.bib#bioucas2007); averages stop at edges as in [He et al.
+# 2013](../book/references.bib#he2013).
 
 # %% tags=["hide-input"]
 rows = [
@@ -257,10 +257,10 @@ plotting.save(
 )
 
 # %% [markdown]
-# One pixel is right hardly more often than by chance: its beat has a noise of 17 wraps at full
+# A single pixel is right hardly more often than by chance: its beat has a noise of 17 wraps at full
 # brightness ([chapter 3](03_wraps.ipynb)). The rate of a method thus depends on how many pixels it
 # pools, and over what. `mode` is the best constant answer for each image, its most frequent true
-# wrap, and needs the truth. The differences to it show which rows read more than a good guess.
+# wrap, and needs the truth. The differences to it show which methods know more than a good guess.
 
 # %% tags=["hide-input"]
 noise = bounds.simulated_phase_noise(1.0)
@@ -328,8 +328,9 @@ print(cost.get("machine", ""), "cmtof " + cost.get("version", ""), sep=", ")
 # ## Against the paper
 #
 # The paper's rates come from Hypersim, ours from rendered rooms, and its networks saw more crops. A
-# rate that differs is therefore open. The order is a claim of its own: pairs of methods that the
-# paper has more than two points apart, and the share of these that have the same order here.
+# rate that differs is therefore open. The order of the methods is a claim of its own. It is
+# measured on the pairs of methods that the paper has more than two points apart: the share of these
+# pairs that have the same order here.
 
 # %% tags=["hide-input"]
 crops = {

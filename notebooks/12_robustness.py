@@ -5,8 +5,8 @@
 # with more noise, for strong room light. Does its network survive, and does ours?
 #
 # A real instrument has such offsets. A method that relies on the beat must lose as much to an
-# offset as a formula predicts; one that hardly loses does not read the beat, or was trained with
-# offsets. All is simulated.
+# offset as a formula predicts; a method that hardly loses does not use the beat, or was trained
+# with offsets. All is simulated.
 
 # %% tags=["parameters", "hide-input"]
 profile: str = "book"  # size profile
@@ -563,11 +563,11 @@ head = [
 notes.table(head, rows)
 
 # %% [markdown]
-# The best sets for the paper's 7.49 m, white pixels and its noise. The gain over the paper's pair
-# is given with more time for more images; in equal time with photon noise (variance times F/2); and
-# in equal time with Gaussian noise of each image ((F/2)²). At equal noise the best three are both
-# ends of the doubled mode and one single tone, which resolves the 10.5 mm wraps. A doubled mode as
-# weak as the instrument's (J₂/J₁)² is not used at all.
+# The table has the best sets for the paper's 7.49 m, white pixels and its noise. The gain over the
+# paper's pair is given with more time for more images; in equal time with photon noise (variance
+# times F/2); and in equal time with Gaussian noise of each image ((F/2)²). At equal noise the best
+# three are both ends of the doubled mode and one single tone, which resolves the 10.5 mm wraps. A
+# doubled mode as weak as the instrument's (J₂/J₁)² is not used at all.
 
 # %% tags=["hide-input"]
 figure, (ax, right) = plt.subplots(1, 2, figsize=(8.4, 4))
@@ -622,8 +622,8 @@ plotting.save(
 )
 
 # %% [markdown]
-# To test the theory, random depths in 7.49 m get a noisy phasor at each frequency, as if P pixels
-# had been averaged, and the most likely of all wraps is taken.
+# To test the theory, depths are drawn at random within 7.49 m. Each gets a noisy phasor at each
+# frequency, as if P pixels had been averaged, and the most likely of all wraps is taken.
 
 
 # %% tags=["hide-input"]
@@ -710,7 +710,7 @@ print(
 )
 
 # %% [markdown]
-# At η = 0.26 the doubled mode has 2 % of the single mode's signal, at π/4 19 %, so that sets that
+# The doubled mode has 2 % of the single mode's signal at η = 0.26, and 19 % at π/4. So sets that
 # rely on it fail. No set of frequencies makes one pixel suffice.
 
 # %% tags=["hide-input"]

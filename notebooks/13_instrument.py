@@ -137,7 +137,8 @@ plotting.save(
 #
 # $$\frac{P_\mathrm{collected}}{P_\mathrm{sent}} = \frac{\varrho}{2}\,\frac{A}{\pi z^2};$$
 #
-# the factor ½ is the polarisation that the splitter rejects. This step loses more than the rest.
+# the factor ½ is the polarisation that the splitter rejects. This step loses more light than any
+# other.
 
 # %% tags=["hide-input"]
 phase_time = rig.samples_per_phase / rig.rate
@@ -342,8 +343,8 @@ for mode, one in here.items():
 # Real captures of such an instrument are far noisier ([chapter 7](07_captures.ipynb)), 0.08 to 0.13
 # rad at 7.15 GHz. The *captures' noise* is therefore a second case beside this *photon limit*: the
 # phase between both drives fluctuates from step to step, in part correlated with the point before.
-# Its level and grain, 0.117 rad a point and a correlation of 0.17, are means of three published
-# scans; at 14.32 GHz the same value in radians is assumed (a jitter in time would double it). In a
+# Its level and grain, 0.117 rad a point and a correlation of 0.17, are means over three published
+# scans. At 14.32 GHz the same value in radians is assumed (a jitter in time would double it). In a
 # rig file it is `twin: {phase_noise: [0.117, 0.117], grain: 0.167}`.
 #
 # ## Differences from the paper

@@ -272,17 +272,17 @@ plotting.save(
 # %% [markdown]
 # Speckle shifts a phase because the spot is extended: its bright grains lie on the near or the far
 # side of a slope. This is a real displacement, equal in both modes, so most of it cancels in the
-# beat, as do the mirrors' steps. Noise does not cancel; most of it comes from the doubled mode,
+# beat. So do the mirrors' steps. Noise does not cancel; most of it comes from the doubled mode,
 # which has less contrast. Back-reflected light is a constant phasor that affects weak echoes most,
 # in each mode differently.
 
 # %% [markdown]
 # ## Unwrapping
 #
-# In one pixel (`crt-ml`) noise exceeds the 17.6 mrad of a wrap. The other methods pool over pixels:
-# in a fixed window (`beat`), in regions bounded by steps of phase or brightness (`region`), by
-# smoothness (`mrf`), or over surfaces. The table has the share of right wraps, and in brackets of
-# those off by two at most.
+# In a single pixel (`crt-ml`) the noise of the beat exceeds the 17.6 mrad of a wrap. The other
+# methods pool over pixels: in a fixed window (`beat`), in regions bounded by steps of phase or
+# brightness (`region`), by smoothness (`mrf`), or over surfaces. The table has the share of right
+# wraps, and in brackets the share of those that are off by two at most.
 
 # %% tags=["hide-input"]
 METHODS = {name: (name, {}) for name in ("crt-ml", "beat", "region", "mrf", "surfaces")}

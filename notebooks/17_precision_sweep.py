@@ -2,7 +2,7 @@
 # # The precision sweep
 #
 # A stage moves a target by one millimetre before three instruments (Paper Fig. 13, Table 4). Which
-# follows it best?
+# of them follows it best?
 #
 # This is the paper's headline, 33.5 µm. Each instrument is *simulated* on many days, with
 # systematic errors of plausible sizes drawn for each.
@@ -180,16 +180,16 @@ plotting.save(
 # 20 samples, 13.3 ms; a filter keeps the mirror's light within the detector's range.
 #
 # Each *day* has its own noise, speckle, drift and driver errors. The zero is set ten minutes before
-# the sweep, at eight known ranges over one wrap, as in a scan: by one reading at each, for RF a
-# hundred (in its favour). Fringes are counted from the known first position. Phases are unwrapped
-# with the known range. No data sheet that we have states the drivers' errors in `SPANS`; each day
-# draws its own. The captures' noise ([chapter 7](07_captures.ipynb)) is treated as a disturbance
-# between the two RF drives, so it affects RF demodulation too.
+# the sweep, at eight known ranges over one wrap, as in a scan: by one reading at each, and by a
+# hundred for RF (in its favour). Fringes are counted from the known first position. Phases are
+# unwrapped with the known range. No data sheet that we have states the drivers' errors in `SPANS`;
+# each day draws its own. The captures' noise ([chapter 7](07_captures.ipynb)) is treated as a
+# disturbance between the two RF drives, so it affects RF demodulation too.
 #
 # ## Table 4
 #
-# RMSE and MAE over the positions of one sweep, one pair a day, in µm: the median day, and in
-# brackets the range of 95 % of single days, since the paper has a single day.
+# The table has RMSE and MAE over the positions of one sweep, in µm: those of the median day, and in
+# brackets the range of 95 % of the days, since the paper has a single day.
 
 # %% tags=["hide-input"]
 rows = []
@@ -446,7 +446,7 @@ notes.table(
 )
 
 # %% [markdown]
-# A few times the vibration makes the count fail. The paper reports the same: its measurements were
+# At a few times that vibration the count fails. The paper reports the same: its measurements were
 # run from outside the laboratory and repeated many times. But errors that grow along the travel
 # (lost fringes, a wavelength 3.5 % off, a breadboard 3 K warmer) have the MAE/RMSE of a straight
 # line, 0.86. Table 4 has 1, a constant offset.

@@ -3,8 +3,8 @@
 #
 # Which errors limit the *simulated* all-optical instrument?
 #
-# Whoever builds one wants to know what to improve first. The paper's 33.5 µm (Paper Fig. 13, Table
-# 4) is several times the sum at the photon limit, but within the plausible sizes of
+# Whoever builds such an instrument wants to know what to improve first. The paper's 33.5 µm (Paper
+# Fig. 13, Table 4) is several times the sum at the photon limit, but within the plausible sizes of
 # [chapter 17](17_precision_sweep.ipynb); a later section lists possible causes.
 
 # %% tags=["parameters", "hide-input"]
@@ -212,10 +212,10 @@ plotting.save(
 #
 # ## Uncertainty at a distance
 #
-# The same terms for a diffuse target at other ranges and of other reflectance, in µm, with the
-# instrument's own power, at the assumed sizes and the photon limit. For the noise a tenth of the
-# power equals a tenth of the reflectance. RF phases and laser drift do not depend on the target.
-# The sliders below give other values, other powers among them.
+# The table has the same terms in µm for a diffuse target at other ranges and of other reflectance,
+# with the instrument's own power, at the assumed sizes and the photon limit. For the noise a tenth
+# of the power equals a tenth of the reflectance. RF phases and laser drift do not depend on the
+# target. With the sliders below you can set other values, also of the power.
 
 # %% tags=["hide-input"]
 PHASES = ("RF phase drift", "phase codes", "I/Q imbalance", "RF leakage")
@@ -348,7 +348,7 @@ plotting.save(
 )
 
 # %% [markdown]
-# Plausible causes of 33.5 µm of offset, each alone: the range of the reference, which a steel rule
+# Each of these could alone cause 33.5 µm of offset: the range of the reference, which a steel rule
 # gives to half a millimetre (the paper does not state how its zero was found); a cable or bench a
 # few kelvin warmer than at the zero; a coated face that reflects into the aperture (negligible
 # against a mirror, but the paper's mirror has the same error); an ordinary I/Q imbalance; a

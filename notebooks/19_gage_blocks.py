@@ -59,7 +59,8 @@ COLOURS = {"single": "C0", "doubled": "C1"}
 # detector, and the faint diffuse rest is measured. DIN 861 allows a block of grade 2 a deviation of
 # ±0.45 µm, drawn again for each repeat. Points whose spot meets an edge are omitted. The wraps are
 # those of the true range. With a RIG file in `rig` the instrument itself scans blocks that stand
-# so, and with `plane_scans` it has scanned the plane; what has the captures' noise stays simulated.
+# so, and with `plane_scans` it has scanned the plane; the results with the captures' noise stay
+# simulated.
 #
 # Both faces are parallel planes, and the step is their distance along the normal. With the points
 # of block $g$ on

@@ -4,8 +4,8 @@
 # In Paper Fig. 15 a commercial camera at 100 MHz has errors of 200 mm on an owl's dark feathers.
 # Are they noise or bias, and what does a GHz scan have there?
 #
-# A camera sees the whole scene at once; a scan needs minutes. The comparison tells what the minutes
-# buy.
+# A camera sees the whole scene at once; a scan needs minutes. The comparison shows what these
+# minutes gain.
 
 # %% tags=["parameters", "hide-input"]
 profile: str = "book"  # size profile

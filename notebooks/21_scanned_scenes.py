@@ -82,15 +82,15 @@ notes.say(
 # %% tags=["hide-input"]
 notes.say(
     """
-    Our version of the paper's network, `fast-scnn`, was trained on rooms
-    ([chapter 8](08_network.ipynb)). It is fine-tuned, as in Section 6.4, on {labelled:.0f} scans
-    of other things: a vase, a shoe, a toy, tools, a plant, fabric, books, a kettle, a pumpkin,
-    a plush bear. Each scan shows one to three of them, at random places, sizes and finishes, some
-    lying, before a wall. Labels are by stereo ([chapter 16](16_stereo.ipynb)), here with cameras
-    {apart:.0f} cm apart: they see nearly all that the beam sees. Three more things are held out. On
-    scans of these, training took the right wraps from {leg_first:.0f} to {leg_last:.0f} %. No shown
-    object is among those learnt or held out. All this was computed once by
-    `python -m cmtof_book.scanned`, which goes on where it ended.
+    Our version of the paper's network, `fast-scnn`, was trained on rooms ([chapter
+    8](08_network.ipynb)). It is fine-tuned, as in Section 6.4, on {labelled:.0f} scans of other
+    things: a vase, a shoe, a toy, tools, a plant, fabric, books, a kettle, a pumpkin, a plush bear.
+    Each scan shows one to three of them, at random places, sizes and finishes, some lying, before a
+    wall. Labels are by stereo ([chapter 16](16_stereo.ipynb)), here with cameras {apart:.0f} cm
+    apart: they see nearly all that the beam sees. Three more things are held out. On scans of
+    these, training raised the share of right wraps from {leg_first:.0f} to {leg_last:.0f} %. No
+    shown object is among those learnt or held out. All this was computed once by `python -m
+    cmtof_book.scanned`, which continues where it stopped.
     """,
     labelled=labelled,
     apart=100 * settings["baseline"],
@@ -147,13 +147,12 @@ notes.say(
     Each cell has the mean over three scans of a scene, with new speckle and noise, and in brackets
     the lowest and the highest. The last row is a reference: it is told the shape of every surface
     and which of them touch, and finds one offset for these together. It shows what the data hold.
-    The captures' noise takes KDE from
-    {kde:.0f} to {kde_captures:.0f} %, the fine-tuned network from {net:.0f} to {net_captures:.0f}
-    %. Averaged over four mirror images this network has {mirrored:.0f} %; together with `surfaces`,
-    as `hybrid`, {hybrid:.0f} %.
-    `rapid`, the network of Zhang et al. (2019), reads four phases; the sixteen are decoded and
-    put back into four. It is not fine-tuned. `phasor` needs two close frequencies, and had a second
-    scan at 7.16 GHz.
+    With the captures' noise KDE falls from {kde:.0f} to {kde_captures:.0f} %, the fine-tuned
+    network from {net:.0f} to {net_captures:.0f} %. Averaged over four mirror images this network
+    has {mirrored:.0f} %; together with `surfaces`, as `hybrid`, {hybrid:.0f} %. `rapid`, the
+    network of Zhang et al. (2019), reads four phases; the sixteen are decoded and put back into
+    four. It is not fine-tuned. `phasor` needs two close frequencies, and had a second scan at 7.16
+    GHz.
     """,
     kde=mean["photon"]["kde"],
     kde_captures=mean["captures"]["kde"],
