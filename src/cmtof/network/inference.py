@@ -68,7 +68,8 @@ def load_network(path: Path) -> Ready:
     """Network with the weights of a file; a ValueError if file or card cannot be used."""
     arrays, card = read_weights(path)
     threads = os.environ.get("OMP_NUM_THREADS", "").partition(",")[0]
-    name = f"{card.model}.{card.protocol} {card.sha256}"
+    # a fork does not copy the threads of a session
+    name = f"{card.model}.{card.protocol} {card.sha256} {os.getpid()}"
     ready = Ready(name, int(threads or os.cpu_count() or 1), card, arrays)
     try:
         about(ready)
