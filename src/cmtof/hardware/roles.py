@@ -24,7 +24,6 @@ class DeviceRole(Protocol):
 
     def identify(self) -> Texts:
         """Model and serial number as the device reports them."""
-        ...
 
     def safe_state(self) -> None:
         """Become safe; may be called at any time, and again."""
@@ -62,7 +61,6 @@ class RfRole(DeviceRole, Protocol):
 
     def set_phase(self, rad: float) -> float:
         """Set the phase outside the table, rad; return what was set."""
-        ...
 
     def set_dead_man(self, seconds: float) -> None:
         """Have RF turned off when the host is silent for so long."""
@@ -72,11 +70,9 @@ class RfRole(DeviceRole, Protocol):
 
     def status(self) -> RfStatus:
         """Output, lock, table and trip."""
-        ...
 
     def lock(self) -> RfLock:
         """Lock, detuning and reflected power."""
-        ...
 
     def clear_trip(self) -> None:
         """Allow RF again after a trip."""
@@ -111,7 +107,6 @@ class ClockRole(DeviceRole, Protocol):
 
     def output_is_on(self, channel: int) -> bool:
         """Whether a channel puts out its sine."""
-        ...
 
 
 class MotorRole(DeviceRole, Protocol):
@@ -120,19 +115,16 @@ class MotorRole(DeviceRole, Protocol):
     @property
     def position(self) -> float:
         """Position from home."""
-        ...
 
     @property
     def homed(self) -> bool:
         """Whether the home position is known."""
-        ...
 
     def home(self, *, waiting: Waiting = None) -> None:
         """Find the home position."""
 
     def move_to(self, position: float, *, waiting: Waiting = None) -> float:
         """Move and wait; return the position."""
-        ...
 
 
 class PowerMeterRole(DeviceRole, Protocol):
@@ -141,7 +133,6 @@ class PowerMeterRole(DeviceRole, Protocol):
     @property
     def power(self) -> float:
         """Power, W."""
-        ...
 
     def set_up(
         self, *, wavelength: float, readings: int, waiting: Waiting = None
@@ -159,11 +150,9 @@ class ReadOutRole(DeviceRole, Protocol):
 
     def gain(self, volts_range: float) -> tuple[float, float, float]:
         """Calibration of an input range, V, in the order of `cmtof.hardware.reduction.Gain`."""
-        ...
 
     def line(self, dio: str) -> bool:
         """Level of an input line."""
-        ...
 
     def set_line(self, dio: str, high: bool) -> None:
         """Set an output line."""
@@ -188,4 +177,3 @@ class ReadOutRole(DeviceRole, Protocol):
 
     def bursts(self, requests: Requests) -> Iterator[Counts]:
         """Counts of a burst for each request, whose registers are written first: scan by scan."""
-        ...
