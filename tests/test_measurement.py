@@ -7,7 +7,7 @@ import h5netcdf
 import h5py
 import numpy as np
 import xarray as xr
-from hostile_inputs import external_link, netcdf, netcdf_3, plain_hdf5, virtual_dataset
+from contents import external_link, netcdf, netcdf_3, plain_hdf5, virtual_dataset
 from numpy.testing import assert_allclose, assert_array_equal
 from pytest import approx, mark, raises
 

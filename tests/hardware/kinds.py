@@ -7,14 +7,13 @@ from peers import (
     T7,
     Controller,
     Firmware,
-    Generator,
-    Meter,
     Port,
     Visa,
     modbus,
     simulated,
 )
 from registers import HERE, feedback, in_bytes
+from scpi_peers import Generator, Meter
 
 from cmtof.files import read_document
 from cmtof.hardware.apt import MOTORS, Motor

@@ -14,7 +14,8 @@ from contextlib import suppress
 from dataclasses import asdict, replace
 from types import SimpleNamespace
 
-from peers import T7, Controller, Firmware, Generator, Meter, Wire
+from peers import T7, Controller, Firmware, Wire
+from scpi_peers import Generator, Meter
 
 from cmtof.hardware.rig import Rig
 from cmtof_lab.rehearsal import simulated_bench

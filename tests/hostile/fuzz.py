@@ -21,7 +21,8 @@ import warnings
 from importlib import import_module
 from pathlib import Path
 
-from hostile_inputs import KINDS, journal, whole_journal, whole_measurement
+from contents import whole_journal, whole_measurement
+from hostile_inputs import KINDS, journal
 
 from cmtof_book import RESULTS
 
