@@ -94,7 +94,7 @@ def beat_guided(measurement: Measurement) -> Estimate:
     phasor = beat_phasor(measurement)
     size = np.abs(phasor)
     weight = size / (size.mean() or 1.0) + 1e-6
-    unit = np.divide(phasor, size, out=np.zeros_like(phasor), where=size > 0)
+    unit = quotient(phasor, size)
     filtered = guided_filter(unit, guides(measurement), weight, WINDOW, SMOOTHING)
     return _averaged(filtered * uniform_filter(size, WINDOW), size, WINDOW, measurement)
 
@@ -114,17 +114,18 @@ def guides(measurement: Measurement) -> Array:
         pairs = steps(phasor, axis)
         total = uniform_filter(pairs, 11)
         length = uniform_filter(np.abs(pairs), 11)
-        coherence *= np.divide(
-            np.abs(total), length, out=np.zeros_like(length), where=length > 0
-        )
-        slope = np.divide(
-            total, np.abs(total), out=np.zeros_like(total), where=total != 0
-        )
+        coherence *= quotient(np.abs(total), length)
+        slope = quotient(total, np.abs(total))
         slopes += [slope.real, slope.imag]
     bright = uniform_filter(amplitude.sum(axis=0), 5)
     # a tenth of the mean keeps the logarithm of noise in the dark from guiding anything
     bright = np.log(0.1 + np.maximum(bright, 0) / (bright.mean() or 1.0))
     return np.stack([bright, coherence, *slopes])
+
+
+def quotient(above: NDArray[Any], below: Array) -> NDArray[Any]:
+    """Quotient of images; zero where the lower one is."""
+    return np.divide(above, below, out=np.zeros_like(above), where=below > 0)
 
 
 def steps(phasor: Complex, axis: int) -> Complex:
