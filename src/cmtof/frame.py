@@ -64,16 +64,13 @@ class Frame:
 
     def save(self, path: AnyPath) -> None:
         """Write a compressed ``.npz`` (float32)."""
-        arrays = {
-            "depth": self.depth,
-            "intensity": self.intensity,
-            "camera": self.camera,
-        }
-        arrays["note"] = np.array(self.note) if self.note else None
+        arrays = {"depth": self.depth, "intensity": self.intensity}
+        if self.camera is not None:
+            arrays["camera"] = self.camera
+        if self.note:
+            arrays["note"] = np.array(self.note)
         with written_whole(path) as part:
-            np.savez_compressed(
-                part, **{k: v for k, v in arrays.items() if v is not None}
-            )
+            np.savez_compressed(part, **arrays)
 
     def middle(self, height: int, width: int) -> "Frame":
         """Middle of the frame, at most that large; the camera moves with it."""

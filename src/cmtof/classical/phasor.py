@@ -60,15 +60,7 @@ def _candidates(phase: Array, measurement: Measurement) -> list[Array | int]:
     turns = phase_from_depth(coarse, measurement.frequencies[0]) - phase[0]
     middle = np.rint(turns / TAU)
     first, last = wraps_in_range(measurement)
-    return [
-        middle,
-        middle - 1,
-        middle + 1,
-        first - 1,
-        first,
-        last - 1,
-        last,
-    ]
+    return [middle, middle - 1, middle + 1, first - 1, first, last - 1, last]
 
 
 def _confidence(noise: Array, measurement: Measurement) -> Array:
@@ -101,12 +93,11 @@ def _peak(
     apart = phase[1] - phase_from_depth(depth, high)
     total = amplitude[0] + amplitude[1] * np.exp(1j * apart)
     depth = depth + depth_from_phase(np.angle(total), low)
-    off = [
-        phase_from_depth(depth, f) - p for f, p in zip((low, high), phase, strict=True)
-    ]
-    slope = -amplitude[0] * low * np.sin(off[0]) - amplitude[1] * high * np.sin(off[1])
-    bend = amplitude[0] * low**2 * np.cos(off[0]) + amplitude[1] * high**2 * np.cos(
-        off[1]
-    )
+    slope = 0.0
+    bend = 0.0
+    for a, f, p in zip(amplitude, (low, high), phase, strict=True):
+        off = phase_from_depth(depth, f) - p
+        slope = slope - a * f * np.sin(off)
+        bend = bend + a * f**2 * np.cos(off)
     step = np.where(bend > 0, slope / np.where(bend > 0, bend, 1), 0) * low
     return depth + depth_from_phase(np.clip(step, -0.1, 0.1), low)

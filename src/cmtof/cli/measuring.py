@@ -82,7 +82,7 @@ def scan(
         )
     plan = planned(Rig.default() if rig is None else Rig.load(rig), size=size)
     scene = scene or (None if rig else "still_life")
-    bench = _simulated(plan.rig, scene, seed) if twin else _connected(plan.rig, log)
+    bench = _opener(plan.rig, log, {"scene": scene, "seed": seed or 0} if twin else {})
     if check:
         _check_up(bench)
     if output is None:
@@ -103,15 +103,12 @@ def scan(
     print(f"{output}: {measurement}, {measurement.mask.mean():.1%} of pixels valid")
 
 
-def _simulated(rig: "Rig", scene: str | None, seed: int | None) -> Callable[[], Any]:
-    """Maker of a bench of simulated devices before a scene."""
-    from cmtof_lab.rehearsal import simulated_bench
+def _opener(rig: "Rig", log: File, twin: dict[str, Any]) -> Callable[[], Any]:
+    """Maker of a bench of real devices or, with options of a twin, of simulated ones."""
+    if twin:
+        from cmtof_lab.rehearsal import simulated_bench
 
-    return partial(simulated_bench, rig, scene, seed=seed or 0)
-
-
-def _connected(rig: "Rig", log: File) -> Callable[[], Any]:
-    """Maker of a bench of real devices, whose requests and replies go into a file."""
+        return partial(simulated_bench, rig, **twin)
     from cmtof.hardware.connect import connected_bench
 
     told = log.open("w", encoding="utf-8") if log else None

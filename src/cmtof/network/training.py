@@ -232,61 +232,53 @@ def _rates(deltas: Sequence[Numbers]) -> weights.Rates:
 
 
 def train(
-    config: Config, folder: Path, *, tree: Path | None = None, **options: Any
-) -> Path | None:
-    """Train, or go on training, and write the averaged weights with their card into a folder.
-
-    ``tree`` holds frames in Hypersim's layout (by default rooms are rendered). Of the ``options``,
-    ``init`` are weights to begin with, ``resume`` goes on from the folder's checkpoint, and a leg
-    ends at the first checkpoint after some ``minutes``; the others are Lightning's: accelerator,
-    devices, num_nodes, strategy. Returned is the file of weights, or None while steps are left.
-    Raises ValueError if another process trains in the folder.
-    """
-    if tree is not None:
-        Hypersim(tree)  # refused before anything is written
-    folder.mkdir(parents=True, exist_ok=True)
-    with alone(folder) if getattr(rank_zero_only, "rank", 0) == 0 else nullcontext():
-        return _train(config, folder, tree=tree, **options)
-
-
-def _train(
     config: Config,
     folder: Path,
     *,
-    tree: Path | None,
+    tree: Path | None = None,
     init: Path | None = None,
     resume: bool = False,
     minutes: float | None = None,
     quiet: bool = False,
     **flags: Any,
 ) -> Path | None:
-    """Training as in `train`, in a folder that no other process writes."""
-    last = folder / "last.ckpt"
-    begun = last.is_file()
-    if begun:
-        _check_checkpoint(last, config, resume)
-    keep_pages()
-    logging.getLogger("lightning.pytorch").setLevel(logging.ERROR)
-    warnings.filterwarnings("ignore", module="lightning.*")
-    packs = open_rooms(config, tree, folder.parent)
-    module = Unwrapping(config, packs, last, init)
-    module.end = np.inf if minutes is None else module.began + 60 * minutes
-    trainer = _trainer(config, enable_progress_bar=not quiet, **flags)
-    try:
-        trainer.fit(module, ckpt_path=last if begun else None, weights_only=True)
-    except SystemExit as stop:
-        # Lightning makes an exit of Ctrl-C
-        if isinstance(stop.__context__, KeyboardInterrupt):
-            raise KeyboardInterrupt from stop
-        raise
-    if trainer.global_step < config.steps:
-        return None
-    path = weights.weights_path(config.model, config.protocol, folder)
-    if trainer.is_global_zero:
-        # validated as they are stored
-        module.average.load_state_dict(weights.halved(module.average))
-        weights.save_weights(path, module.average, _card(module))
-    return path
+    """Train, or go on training, and write the averaged weights with their card into a folder.
+
+    ``tree`` holds frames in Hypersim's layout (by default rooms are rendered), ``init`` are weights
+    to begin with, ``resume`` goes on from the folder's checkpoint, and a leg ends at the first
+    checkpoint after some ``minutes``; the ``flags`` are Lightning's: accelerator, devices,
+    num_nodes, strategy. Returned is the file of weights, or None while steps are left. Raises
+    ValueError if another process trains in the folder.
+    """
+    if tree is not None:
+        Hypersim(tree)  # refused before anything is written
+    folder.mkdir(parents=True, exist_ok=True)
+    with alone(folder) if getattr(rank_zero_only, "rank", 0) == 0 else nullcontext():
+        last = folder / "last.ckpt"
+        begun = last.is_file()
+        if begun:
+            _check_checkpoint(last, config, resume)
+        keep_pages()
+        logging.getLogger("lightning.pytorch").setLevel(logging.ERROR)
+        warnings.filterwarnings("ignore", module="lightning.*")
+        module = Unwrapping(config, open_rooms(config, tree, folder.parent), last, init)
+        module.end = np.inf if minutes is None else module.began + 60 * minutes
+        trainer = _trainer(config, enable_progress_bar=not quiet, **flags)
+        try:
+            trainer.fit(module, ckpt_path=last if begun else None, weights_only=True)
+        except SystemExit as stop:
+            # Lightning makes an exit of Ctrl-C
+            if isinstance(stop.__context__, KeyboardInterrupt):
+                raise KeyboardInterrupt from stop
+            raise
+        if trainer.global_step < config.steps:
+            return None
+        path = weights.weights_path(config.model, config.protocol, folder)
+        if trainer.is_global_zero:
+            # validated as they are stored
+            module.average.load_state_dict(weights.halved(module.average))
+            weights.save_weights(path, module.average, _card(module))
+        return path
 
 
 def _check_checkpoint(last: Path, config: Config, resume: bool) -> None:
