@@ -19,6 +19,9 @@ PAPER = "paper"  # name of the record of what a chapter checked against the pape
 
 TEXT = "text"  # name of the record of what a chapter's text shows
 
+# Numbers that this process has added, by folder and name: in JupyterLab chapters share a folder.
+_HELD: Values = {}
+
 
 class Record(NamedTuple):
     """Numbers of one figure, or of one chapter's checks or text, by name."""
@@ -49,20 +52,19 @@ def compared_from_json(number: Named) -> Compared:
 
 def write(name: str, numbers: Named, **about: Any) -> None:
     """Write a record, with what else there is to say about it, whole or not at all."""
-    content = {**about, "numbers": dict(numbers), "provenance": provenance.RUN}
+    content = {**about, "numbers": numbers, "provenance": provenance.RUN}
     provenance.write_json(provenance.output_folder() / f"{name}.json", content)
 
 
 def add(name: str, numbers: Named) -> None:
     """Add numbers to a record, which is made if need be."""
-    write(name, read(name) | dict(numbers))
+    read(name).update(numbers)
+    write(name, read(name))
 
 
 def read(name: str) -> Values:
     """Numbers of a record of this run, {} where there is none."""
-    return provenance.read_json(provenance.output_folder() / f"{name}.json").get(
-        "numbers", {}
-    )
+    return _HELD.setdefault(f"{provenance.output_folder()}/{name}", {})
 
 
 def read_all(results: Path) -> Iterator[Record]:

@@ -188,6 +188,7 @@ def test_what_was_checked_is_recorded_with_all_cases_and_shown(folder, monkeypat
         ValueError, match=r"Expected .* got 'fig3.precison'. Use 'fig3.precision"
     ):
         paper.check("fig3.precison", 1.0)
+    record.write(record.PAPER, {"sec8.gain": {}})  # another chapter's
     paper.check("fig3.precision_ratio", compared.sum_over_draws(99.8, error=3.2))
     paper.check("table2.kde.delta_lt_1", 0.0473, crops=28_000)
     cases = {
@@ -201,9 +202,11 @@ def test_what_was_checked_is_recorded_with_all_cases_and_shown(folder, monkeypat
     )
     paper.table()
     assert shown[0][1:] == ["≈ 100 ± 10", "99.8 (93.5–106)", "reproduced"]
-    assert shown[1][2:] == ["4.73 %", "open"]
-    quiet = "10 µm (2–99 µm) with photon noise alone"
-    assert shown[2][2] == f"{quiet}; 200 µm (100–300 µm) with more noise"
+    both = (
+        "10 µm (2–99 µm) with photon noise alone; 200 µm (100–300 µm) with more noise"
+    )
+    assert [row[2] for row in shown[1:]] == ["4.73 %", both]
+    assert shown[1][3] == "open"
     (run,) = record.read_all(folder.parent)
     assert run.compared() == {
         "fig3.precision_ratio": compared.sum_over_draws(99.8, error=3.2)
@@ -280,7 +283,8 @@ def test_claims_are_filled_with_numbers_of_the_build():
         record.Record("03_wraps", "wraps_odds", {"numbers": drawn}),
         record.Record("03_wraps", record.TEXT, {"numbers": {"x": 2.5}}),
     ]
-    found = {"fig3.precision_ratio": 104.63}
+    plate = {"quiet": (2e-3, 1e-3, 3e-3), "noisy": 4e-3}
+    found = {"fig3.precision_ratio": 104.63, "sec8.rf_plate": plate}
     numbers = claims.Numbers(scores(found), records)
     asked = "{03_wraps/wraps_odds.law.1|.0%} {03_wraps/wraps_odds.rates.right|d} {03_wraps:x|.1f} "
     assert (
@@ -288,8 +292,6 @@ def test_claims_are_filled_with_numbers_of_the_build():
         == "25\N{NO-BREAK SPACE}% 3 2.5 105"
     )
     assert numbers.fill("{sec1.contrast}") == "(not computed)"
-    found["sec8.rf_plate"] = {"quiet": (2e-3, 1e-3, 3e-3), "noisy": 4e-3}
-    numbers = claims.Numbers(scores(found), records)
     filled = numbers.fill(
         "{sec8.rf_plate@0|alone}, {sec8.rf_plate@0}, {sec8.rf_plate@1}"
     )
