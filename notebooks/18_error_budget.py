@@ -314,7 +314,7 @@ needs = {  # of the single mode: size needed, size assumed, unit
     "scatter: slope, fresh speckle": (
         np.rad2deg(np.arctan(spread / steep)),
         np.nan,
-        "°",
+        "degrees",
     ),
 }
 
