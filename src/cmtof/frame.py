@@ -55,9 +55,8 @@ class Frame:
         kind = np.asarray(self.intensity).dtype.kind
         if kind in "iu" and light.max() > 1:
             white = next(top for top in (255, 65535, light.max()) if light.max() <= top)
-            vars(self)["note"] = "; ".join(
-                filter(None, [self.note, f"light in integers, {white} is 1"])
-            )
+            note = f"light in integers, {white} is 1"
+            vars(self)["note"] = "; ".join(filter(None, [self.note, note]))
             light /= white
         camera = None if self.camera is None else checked_camera(self.camera, where)
         vars(self).update(depth=depth, intensity=light, camera=camera)

@@ -54,7 +54,12 @@ def simulate(
         raise ValueError(
             f"Expected order 'paper' or 'released', got {order!r}. Choose one."
         )
-    depth, mask, limits = _staged(frame, protocol, frequencies)
+    try:
+        depth, mask, limits = staged_depth(
+            frame.depth, protocol=protocol, frequencies=frequencies
+        )
+    except ValueError as error:  # a note may tell why
+        raise ValueError(f"{error} {frame.note}".strip()) from None
     # where no depth is known no light returns
     light = np.where(np.isfinite(depth), np.clip(frame.intensity, 0, 1), 0)
     signal = GAIN * INTEGRATION_TIME * light.astype(np.float32)
@@ -86,16 +91,6 @@ def simulate(
         gain=GAIN,
         integration_time_ms=INTEGRATION_TIME,
     )
-
-
-def _staged(
-    frame: Frame, protocol: Protocol, frequencies: Array
-) -> tuple[Array, Flags, Pair]:
-    """`staged_depth` of a frame, whose note may tell why there is none."""
-    try:
-        return staged_depth(frame.depth, protocol=protocol, frequencies=frequencies)
-    except ValueError as error:
-        raise ValueError(f"{error} {frame.note}".strip()) from None
 
 
 def _means(signal: Single, depth: Array, frequencies: Array, psi: Array) -> Single:

@@ -12,7 +12,7 @@ of tens of thousands of entries: the beat selects a few wraps, both phases give 
 import numpy as np
 
 from cmtof.bounds import wrap_probability
-from cmtof.classical.beat import beat_depth
+from cmtof.classical.beat import beat_depth, quotient
 from cmtof.correlation import TAU, depth_from_phase, phase_from_depth, wrap_length
 from cmtof.estimate import Estimate, guess, phase_noise, within_range, wraps_in_range
 from cmtof.measurement import Measurement
@@ -93,11 +93,10 @@ def _peak(
     apart = phase[1] - phase_from_depth(depth, high)
     total = amplitude[0] + amplitude[1] * np.exp(1j * apart)
     depth = depth + depth_from_phase(np.angle(total), low)
-    slope = 0.0
-    bend = 0.0
+    slope = bend = np.zeros(depth.shape)
     for a, f, p in zip(amplitude, (low, high), phase, strict=True):
         off = phase_from_depth(depth, f) - p
         slope = slope - a * f * np.sin(off)
         bend = bend + a * f**2 * np.cos(off)
-    step = np.where(bend > 0, slope / np.where(bend > 0, bend, 1), 0) * low
-    return depth + depth_from_phase(np.clip(step, -0.1, 0.1), low)
+    step = np.clip(quotient(slope, bend) * low, -0.1, 0.1)
+    return depth + depth_from_phase(step, low)

@@ -92,20 +92,15 @@ def _truth(measurement: Measurement) -> Array:
     return measurement.depth.astype(float)
 
 
-def _demodulated(measurement: Measurement) -> Complex:
-    """Phasors (2, H, W) turned back by the true depth; zero where unknown."""
-    shape = np.nan_to_num(_truth(measurement))
-    turned = phase_from_depth(shape, measurement.frequencies[:2, None, None])
-    amplitude = np.nan_to_num(measurement.amplitude[:2])
-    return amplitude * np.exp(1j * (measurement.phase[:2] - turned))
-
-
 def _pooled(measurement: Measurement, surface: Numbers, side: int = 0) -> Estimate:
     """Estimate of true shapes where phasors summed over surfaces place them."""
     truth = _truth(measurement)
     known = np.isfinite(truth)
     shape = np.nan_to_num(truth)
-    phasors = _demodulated(measurement)
+    # turned back by the true depth; zero where it is unknown
+    turned = phase_from_depth(shape, measurement.frequencies[:2, None, None])
+    amplitude = np.nan_to_num(measurement.amplitude[:2])
+    phasors = amplitude * np.exp(1j * (measurement.phase[:2] - turned))
     if side:
         sums = [_pool_within(one, surface, side) for one in phasors]
         middle = shape

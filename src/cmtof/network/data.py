@@ -235,8 +235,7 @@ def room_crop(rng: np.random.Generator, pack: Pack, side: int, protocol: str) ->
     first, classes = CLASSES[protocol]
     views, height, width = pack.depth.shape
     share = -1.0
-    depth = np.empty(0)
-    light = np.empty(0)
+    best: Sequence[Array] = ()
     for _ in range(4):
         view, y, x = (
             rng.integers(n) for n in (views, height - side + 1, width - side + 1)
@@ -251,13 +250,12 @@ def room_crop(rng: np.random.Generator, pack: Pack, side: int, protocol: str) ->
         scored = np.mean((found >= first * WRAP) & (found < (first + classes) * WRAP))
         if scored > share:
             share = scored
-            depth = found
-            light = shade
+            best = (found, shade)
         if share > 0.3:
             break
     turn = rng.integers(4)
     mirror = 1 - 2 * rng.integers(2)
-    depth, light = (np.rot90(image, turn)[:, ::mirror] for image in (depth, light))
+    depth, light = (np.rot90(image, turn)[:, ::mirror] for image in best)
     return depth, np.clip(light * np.exp(rng.uniform(-0.4, 0.4)), 0, 1)
 
 
