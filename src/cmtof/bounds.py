@@ -153,12 +153,10 @@ def wrap_probability(
     return rounding_odds(wrap_noise(noise_low, noise_high, frequencies=frequencies))
 
 
-def rounding_odds(spread: ArrayLike, off: ArrayLike = 0.0) -> Array:
-    """Odds that an error of this mean and standard deviation, wraps, is below half a wrap."""
-    off = np.asarray(off)
-    scale = np.sqrt(2) * np.asarray(spread)
+def rounding_odds(spread: ArrayLike) -> Array:
+    """Odds that an error of this standard deviation, wraps, stays below half a wrap."""
     with np.errstate(divide="ignore"):  # without noise the odds are 1
-        return (special.erf((0.5 - off) / scale) + special.erf((0.5 + off) / scale)) / 2
+        return special.erf(1 / (2 * np.sqrt(2) * np.asarray(spread)))
 
 
 def wrap_probability_law(

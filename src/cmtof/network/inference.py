@@ -7,7 +7,7 @@ weights are those of `cmtof.network.weights`, which training goes on from. torch
 import gzip
 import os
 from dataclasses import dataclass, field
-from functools import lru_cache, reduce
+from functools import lru_cache
 from pathlib import Path
 
 import numpy as np
@@ -24,7 +24,7 @@ from cmtof.correlation import centred, depth_from_wraps, wrap_length
 from cmtof.estimate import within_range, wraps_in_range
 from cmtof.files import AnyPath
 from cmtof.measurement import Measurement
-from cmtof.network.features import FULL_AMPLITUDE, channels, features, padding
+from cmtof.network.features import FULL_AMPLITUDE, features, padding
 from cmtof.network.weights import (
     FOLDER,
     Card,
@@ -36,8 +36,6 @@ from cmtof.network.weights import (
 from cmtof.simulation import QUADRATURES
 from cmtof.types import Array, Arrays, Shape, Single, Texts
 
-BAND = 16  # rows of an image whose features are made at once
-
 # Orders of rows and columns: as they are, left to right, upside down, and both.
 MIRRORS = [
     (..., slice(None, None, rows), slice(None, None, columns))
@@ -48,10 +46,9 @@ MIRRORS = [
 
 @dataclass(frozen=True)
 class Ready:
-    """A network that can run: its name, how many threads it may use, its card and its weights."""
+    """A network that can run: what tells it from others, its card and its weights."""
 
     name: str
-    threads: int
     card: Card = field(compare=False)
     weights: dict[str, Array] = field(compare=False)
 
@@ -67,10 +64,10 @@ def read_graph(card: Card) -> bytes:
 def load_network(path: Path) -> Ready:
     """Network with the weights of a file; a ValueError if file or card cannot be used."""
     arrays, card = read_weights(path)
-    threads = os.environ.get("OMP_NUM_THREADS", "").partition(",")[0]
     # a fork does not copy the threads of a session
-    name = f"{card.model}.{card.protocol} {card.sha256} {os.getpid()}"
-    ready = Ready(name, int(threads or os.cpu_count() or 1), card, arrays)
+    ready = Ready(
+        f"{card.model}.{card.protocol} {card.sha256} {os.getpid()}", card, arrays
+    )
     try:
         about(ready)
     except Exception as error:  # ONNX Runtime raises a dozen kinds
@@ -80,13 +77,14 @@ def load_network(path: Path) -> Ready:
 
 @lru_cache(maxsize=8)
 def session(ready: Ready, size: Shape | None = None) -> InferenceSession:
-    """Session of ONNX Runtime for images of one size; without a size it is not optimised.
+    """Session of ONNX Runtime for images of one size; without a size it only tells of its graph.
 
     It fuses more layers where the size is known, in half of the memory.
     """
     options = SessionOptions()
     options.log_severity_level = 4  # an error is raised anyway
-    options.intra_op_num_threads = ready.threads
+    threads = os.environ.get("OMP_NUM_THREADS", "").partition(",")[0]
+    options.intra_op_num_threads = int(threads or os.cpu_count() or 1)
     options.enable_cpu_mem_arena = False  # memory is given back at once
     if size:
         options.add_free_dimension_override_by_name("rows", size[0])
@@ -224,35 +222,21 @@ def output(ready: Ready, measurement: Measurement, mirrored: bool = False) -> Si
     kind = about(ready)["features"]
     images = network_images(measurement, kind)
     mirrors = MIRRORS if mirrored else MIRRORS[:1]
-    found = (
-        run_padded(ready, _inputs([image[mirror] for image in images], kind))[mirror]
-        for mirror in mirrors
-    )
-    total = reduce(np.add, found)
-    total /= len(mirrors)
-    return total
-
-
-def _inputs(images: list[Single], kind: str) -> Single:
-    """Features (1, C', H, W), band after band, each with a row about it: they stay in the cache."""
-    height, width = images[0].shape[1:]
-    inputs = np.empty((1, channels(kind), height, width), np.float32)
-    for row in range(0, height, BAND):
-        start = max(row - 1, 0)
-        seen = (image[..., start : row + BAND + 1, :] for image in images)
-        band = features(next(seen), next(seen), kind, *seen)
-        inputs[0, :, row : row + BAND] = band[:, row - start :][:, :BAND]
-    return inputs
+    found: Single | int = 0
+    for mirror in mirrors:
+        phase, amplitude, *more = (image[mirror] for image in images)
+        inputs = features(phase, amplitude, kind, *more)[None]
+        found += run_padded(ready, inputs)[mirror] / np.float32(len(mirrors))
+    return found
 
 
 def run_padded(ready: Ready, inputs: Single) -> Single:
     """Output (C, H, W) for inputs (1, C', H, W), which are padded to the network's stride."""
     stride = int(about(ready)["stride"])
     height, width = inputs.shape[-2:]
-    rows = 0, padding(height, stride)
-    columns = 0, padding(width, stride)
-    if any(rows + columns):  # or the copy would take a tenth of the time
-        inputs = np.pad(inputs, [(0, 0), (0, 0), rows, columns], mode="edge")
+    more = [(0, padding(size, stride)) for size in (height, width)]
+    if np.any(more):  # or the copy would take a tenth of the time
+        inputs = np.pad(inputs, [(0, 0), (0, 0), *more], mode="edge")
     network = session(ready, inputs.shape[-2:])
     (read,) = network.get_inputs()
     (found,) = network.run(None, {read.name: inputs})
