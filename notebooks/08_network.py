@@ -357,7 +357,7 @@ card = read_card(weights_path("fast-scnn", "released"))
 stages = [
     (run.get("stopped_after_steps", part["crops"] // part["batch"]), part)
     for run in card.configuration.values()
-    if (run.get("rooms") or {}).get("height") == large[0]
+    if (run.get("rooms") or {}).get("height") == 768
     for part in run["stages"]
 ]
 steps = np.array([count for count, _ in stages])
