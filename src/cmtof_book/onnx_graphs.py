@@ -32,8 +32,7 @@ def graph_of(network: Network) -> bytes:
             weight.uniform_()  # equal ones would become one
     network.forward = MethodType(type(network).body, network)
     written = io.BytesIO()
-    with warnings.catch_warnings():
-        warnings.simplefilter("ignore")
+    with warnings.catch_warnings(action="ignore"):
         torch.onnx.export(
             network.eval(),
             (torch.zeros(1, network.inputs, 64, 64),),

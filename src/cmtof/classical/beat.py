@@ -131,7 +131,7 @@ def quotient(above: NDArray[Any], below: Array) -> NDArray[Any]:
 def steps(phasor: Complex, axis: int) -> Complex:
     """Each pixel's neighbour ahead times its own conjugate (H, W); zero at the end of an axis."""
     ahead = np.roll(phasor, -1, axis) * np.conj(phasor)
-    ahead[(slice(None),) * axis + (-1,)] = 0
+    np.moveaxis(ahead, axis, 0)[-1] = 0
     return ahead
 
 
@@ -201,8 +201,8 @@ def _averaged(
 
 def noise_of_mean(mean: Complex, power: Array, count: Array | int) -> Array:
     """Noise, rad, of the angle of a mean of ``count`` phasors; infinite of one or of none."""
-    scatter = np.maximum(power - np.abs(mean) ** 2, 0)
     length = np.abs(mean)
+    scatter = np.maximum(power - length**2, 0)
     known = (count > 1.5) & (length > 0)
     noise = np.sqrt(scatter / (2 * np.maximum(count - 1, 1))) / np.where(
         known, length, 1

@@ -51,9 +51,8 @@ def main(arguments: list[str] | None = None) -> None:
             )
     words = list(sys.argv[1:] if arguments is None else arguments)
     try:
-        with warnings.catch_warnings():
-            # the libraries' own are for their developers; ours are one line
-            warnings.simplefilter("ignore")
+        # the libraries' own are for their developers; ours are one line
+        with warnings.catch_warnings(action="ignore"):
             warnings.filterwarnings(
                 "always", ".* is (untrained|left out)|.*NUMBA_CACHE_DIR", UserWarning
             )

@@ -259,7 +259,7 @@ def room_crop(rng: np.random.Generator, pack: Pack, side: int, protocol: str) ->
     return depth, np.clip(light * np.exp(rng.uniform(-0.4, 0.4)), 0, 1)
 
 
-@dataclass
+@dataclass(eq=False)
 class Steps(Dataset[Batch]):
     """Batches by the number of their step, of process ``rank`` out of ``world``.
 
