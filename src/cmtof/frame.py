@@ -150,6 +150,22 @@ def read_npz(path: Path) -> dict[str, NDArray]:
         raise broken("a whole .npz file", path, error) from error
 
 
+def listed_npz(path: Path) -> Texts:
+    """Shape and type of every array of an ``.npz``, which are not read themselves."""
+    found = {}
+    try:
+        with zipfile.ZipFile(check_input(path)) as archive:
+            for member in archive.namelist():
+                with archive.open(member) as file:
+                    version = np.lib.format.read_magic(file)
+                    read = getattr(np.lib.format, f"read_array_header_{version[0]}_0")
+                    shape, _, kind = read(file)
+                    found[member.removesuffix(".npy")] = f"{shape} {kind}"
+    except Exception as error:  # zipfile, zlib and numpy raise half a dozen kinds
+        raise broken("a whole .npz file", path, error) from error
+    return found
+
+
 def frame_from_npz(path: Path, camera: ArrayLike | None = None) -> Frame:
     """Frame of an ``.npz`` with ``depth``, ``intensity`` and, unless given, ``camera``."""
     arrays = read_npz(path)

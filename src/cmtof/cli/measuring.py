@@ -134,15 +134,15 @@ def info(
 
     from cmtof import __version__
     from cmtof.captures import data_root
-    from cmtof.frame import embedded_frames, read_npz
+    from cmtof.frame import embedded_frames, listed_npz
     from cmtof.measurement import open_measurement
     from cmtof.storage import opened_dataset
 
     if file is not None:
         path = embedded_frames().get(str(file), file)
         if path.suffix == ".npz":
-            for name, array in read_npz(path).items():
-                print(shown(f"{name} {array.shape} {array.dtype}"))
+            for name, kind in listed_npz(path).items():
+                print(shown(f"{name} {kind}"))
             return
         text = StringIO()
         if path.suffix == ".nc":

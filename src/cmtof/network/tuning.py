@@ -2,7 +2,6 @@
 
 from collections.abc import Sequence
 from copy import deepcopy
-from typing import NamedTuple
 
 import numpy as np
 import torch
@@ -28,14 +27,6 @@ from cmtof.network.training import (
 from cmtof.types import Array, Numbers
 
 
-class View(NamedTuple):
-    """An example: images of a measurement, and what is known of each pixel."""
-
-    images: Sequence[NDArray]
-    label: NDArray  # class, `IGNORED` where unknown
-    turns: NDArray  # true depth, wraps above the first class
-
-
 def fine_tune(
     trained: weights.Trained,
     examples: Sequence[tuple[Measurement, Numbers, Array]],
@@ -58,7 +49,7 @@ def fine_tune(
     average = deepcopy(trained.network).requires_grad_(False)
     network = deepcopy(trained.network).to(memory_format=torch.channels_last).train()
     views = [_view(trained, *example) for example in examples]
-    views = [view for view in views if (view.label != IGNORED).any()]
+    views = [view for view in views if (view[1] != IGNORED).any()]
     if not views:
         raise ValueError(
             f"Expected labels among the wraps {card.first_wrap} to "
@@ -67,7 +58,7 @@ def fine_tune(
         )
     for layer in norms(network):
         layer.eval()
-    crop = min(crop, *(min(view.label.shape) for view in views))
+    crop = min(crop, *(min(label.shape) for _, label, _ in views))
     rng = np.random.default_rng(seed)
     losses = []
     optimizer = optimizer_of(network, "muon", learning_rate)
@@ -99,50 +90,43 @@ def fine_tune(
 
 def _view(
     trained: weights.Trained, measurement: Measurement, wraps: NDArray, depth: NDArray
-) -> View:
-    """An example as the network sees it."""
-    network, card = trained
-    turns = np.asarray(depth, float) / WRAP
+):
+    """Images, classes, `IGNORED` where unknown, and turns above the first class of an example."""
+    (network, card), turns = trained, np.asarray(depth, float) / WRAP
     label = np.asarray(wraps, np.int64) - card.first_wrap
-    known = (label >= 0) & (label < card.classes)
-    known &= np.isfinite(turns) & measurement.mask
-    return View(
-        network_images(measurement, network.model.features),
+    known = (
+        (label >= 0) & (label < card.classes) & np.isfinite(turns) & measurement.mask
+    )
+    images = network_images(measurement, network.model.features)
+    return (
+        images,
         np.where(known, label, IGNORED),
         np.where(known, turns - card.first_wrap, 0),
     )
 
 
-def _cut(view: View, side: int, rng: np.random.Generator) -> View:
-    """Crop with a labelled pixel, mirrored or turned or neither."""
-    chosen = rng.choice(np.argwhere(view.label != IGNORED))
-    top, left = (
-        np.clip(at - rng.integers(side), 0, size - side)
-        for at, size in zip(chosen, view.label.shape, strict=True)
-    )
-    window = (..., slice(top, top + side), slice(left, left + side))
-    turn = rng.integers(4) * rng.integers(2)  # scenes stand upright more often
-    mirror = 1 - 2 * rng.integers(2)
-
-    def cut(image: NDArray) -> NDArray:
-        turned = np.rot90(image[window], turn, (-2, -1))
-        return np.ascontiguousarray(turned[..., ::mirror])
-
-    return View([cut(x) for x in view.images], cut(view.label), cut(view.turns))
-
-
 def _piece(
-    view: View, classes: int, side: int, kind: str, rng: np.random.Generator
+    view: tuple, classes: int, side: int, kind: str, rng: np.random.Generator
 ) -> Sample:
     """Augmented crop with a labelled pixel; NumPy arrays."""
-    (phase, amplitude, *more), label, turns = _cut(view, side, rng)
+    images, label, turns = view
+    place = zip(rng.choice(np.argwhere(label != IGNORED)), label.shape, strict=True)
+    y, x = (np.clip(at - rng.integers(side), 0, size - side) for at, size in place)
+    window = (..., slice(y, y + side), slice(x, x + side))
+    turn = rng.integers(4) * rng.integers(2)  # scenes stand upright more often
+    mirror = 1 - 2 * rng.integers(2)
+    cut = (
+        np.rot90(x[window], turn, (-2, -1))[..., ::mirror]
+        for x in (label, turns, *images)
+    )
+    (label, turns, phase, amplitude, *more), move = map(np.ascontiguousarray, cut), 0.0
     known = label != IGNORED
-    move = 0.0
     if not more:  # raw correlations stay where they are
         move = rng.uniform(-turns[known].min(), classes - turns[known].max())
     ratio = np.array(FREQUENCIES)[:, None, None] / FREQUENCIES[0]
     label = label + np.floor(phase[0] / TAU + move).astype(int)
     label[~known | (label < 0) | (label >= classes)] = IGNORED
     phase = np.mod(phase + TAU * move * ratio, TAU).astype(np.float32)
-    inputs = features(phase, amplitude, kind, *more)
-    return Sample(inputs, label, phase[0], turns + move)
+    return Sample(
+        features(phase, amplitude, kind, *more), label, phase[0], turns + move
+    )
