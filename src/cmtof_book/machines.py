@@ -15,8 +15,8 @@ from pathlib import Path
 from typing import Annotated
 
 import typer
+import yaml
 
-from cmtof.files import read_document
 from cmtof_book import ROOT, Values
 from cmtof_book.reference import stored_numbers
 
@@ -28,8 +28,8 @@ USUAL = " ".join(["-m 'not slow'", *(f"--ignore=tests/{name}" for name in APART)
 
 def read_machines() -> dict[str, Values]:
     """What each machine needs of the processor, and the variables that imitate it."""
-    machines = read_document(ROOT / "configs" / "machines.yml")
-    return {name: held for name, held in machines.items() if name[0] != "_"}
+    text = (ROOT / "configs" / "machines.yml").read_text("utf-8")
+    return {name: held for name, held in yaml.safe_load(text).items() if name[0] != "_"}
 
 
 def possible() -> list[str]:
