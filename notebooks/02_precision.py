@@ -13,9 +13,7 @@ samples: int = 1000  # measurements at each frequency; the paper's number
 points: int = 41  # frequencies between 100 MHz and 10 GHz
 depth: float = 3.0  # range of the point, m; its whole wraps are taken as known
 intensity: float = 0.5  # brightness of the point, 0 to 1
-law_samples: int = (
-    400_000  # phases drawn at each brightness for the law of a noisy phase
-)
+law_samples: int = 400_000  # phases drawn at each brightness for their law
 
 # %% tags=["hide-input"]
 import matplotlib.pyplot as plt

@@ -9,14 +9,10 @@
 
 # %% tags=["parameters", "hide-input"]
 profile: str = "book"  # size profile
-seed: int = (
-    0  # of the instrument's errors, and of the photodiode's noise in Paper Fig. 8
-)
+seed: int = 0  # of the instrument's errors and of the photodiode's noise
 eta: float = 0.26  # drive amplitude in one pass, rad; 50 % contrast in the single mode
 bandwidth: float = 12e9  # -3 dB bandwidth of the photodiode, Hz
-noise: float = (
-    0.01  # standard deviation of its noise, in units of the light that enters
-)
+noise: float = 0.01  # its standard deviation, in units of the light that enters
 turns: int = 46  # angles of the half-wave plate, 0 to 45 degrees
 powers: int = 21  # settings of the RF power
 

@@ -11,9 +11,7 @@
 profile: str = "book"  # size profile
 seed: int = 0  # of all noise
 frame_name: str = "still_life"  # embedded frame
-ambient_noise: float = (
-    2000.0  # Gaussian σ of the paper's setting with ambient light, counts
-)
+ambient_noise: float = 2000.0  # Gaussian σ with the paper's ambient light, counts
 draws: int = 200_000  # pixels drawn at each brightness for the noise curves
 order: int = 5  # highest octave of the Fourier features, E_C of Eq. 5
 

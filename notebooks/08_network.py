@@ -17,9 +17,7 @@ draws: int = 2000  # sets of scenes drawn for the intervals
 small: tuple = (256, 256)  # sizes to time, px: the paper's smaller
 large: tuple = (768, 1024)  # and its larger
 runs: int = 3  # runs of each, of which the median is shown
-results: str = (
-    "../book/results/table2_released_1200.json"  # counts over all test frames
-)
+results: str = "../book/results/table2_released_1200.json"  # of all test frames
 
 # %% tags=["hide-input"]
 import json

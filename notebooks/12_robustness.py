@@ -22,9 +22,7 @@ offsets_low: list = [-50, -25, 25, 50]  # on 7.15 GHz, mrad
 calibrated: list = [-20, -15, -11, -6, -3, 0, 3, 6, 11, 15, 20]  # closures, mrad
 step: float = 1e6  # spacing of drives on the grid, for two and three frequencies, Hz
 step_four: float = 2e6  # the same for four frequencies, Hz
-draws: int = (
-    2000  # simulated pixels behind each dot of the odds; sets of scenes for intervals
-)
+draws: int = 2000  # pixels behind each dot of the odds; sets of scenes
 dots: int = 6  # dots on each curve
 results: str = "../book/results"  # folder of counts over all test frames
 

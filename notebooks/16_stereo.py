@@ -10,9 +10,7 @@
 # %% tags=["parameters", "hide-input"]
 profile: str = "book"  # size profile
 seed: int = 0  # of every random draw
-scene: str = (
-    "books"  # object that is scanned, one of those that the network learns from
-)
+scene: str = "books"  # object that is scanned, one that the network learns from
 far_scene: str = "room"  # embedded frame for what lies farther away
 size: int = 120  # height and width of the scan, px
 far_stride: int = 4  # every how many pixels of that frame are scanned

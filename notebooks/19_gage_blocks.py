@@ -16,9 +16,7 @@ columns: int = 22  # points across both
 step: float = 5e-4  # nominal height of the step, m
 distance: float = 1.0  # of the blocks and the plane, m
 mount_tilt: float = 0.02  # of the blocks about the upright axis, rad
-margin: float = (
-    1.6  # points nearer to an edge than so many radii of the spot are left out
-)
+margin: float = 1.6  # radii of the spot; points nearer to an edge are left out
 plane_size: int = 20  # points across and down the plane
 plane_view: float = 0.2  # angle across and down the plane, rad
 plane_tilts: list[float] = [0.02, 0.1, 0.2, 0.35, 0.5, 0.7]  # rad

@@ -7,8 +7,6 @@ from cmtof.hybrid import LEAST, means_of_surfaces
 from cmtof.surfaces.contacts import Borders, tied
 from cmtof.surfaces.placing import Offsets
 
-ANYWHERE = np.array([[-np.inf], [np.inf]])
-
 
 def test_means_are_those_over_the_pixels_of_each_surface():
     sure = np.array([[5, 5, 9, 4, 0]])  # of these wraps is the network sure, by pixel
@@ -25,10 +23,15 @@ def test_means_are_those_over_the_pixels_of_each_surface():
 
 def offset_of_surface(mean, spread, said):
     """Offset of one surface, by itself to a standard deviation, and as a network says."""
-    none = np.zeros(0, int)
-    borders = Borders(none, none, none, np.zeros(0))
-    alone = Offsets(np.array([mean]), np.array([spread]))
-    return tied(alone, borders, ANYWHERE, 357.5, lambda at: np.where(at == said, 0, -2))
+    borders = Borders(*np.zeros((4, 0), int))  # it meets no other
+    alone = Offsets(*np.array([[mean], [spread]]))
+    return tied(
+        alone,
+        borders,
+        np.array([[-99], [99]]),
+        357.5,
+        lambda at: np.where(at == said, 0, -2),
+    )
 
 
 @mark.parametrize(

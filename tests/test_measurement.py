@@ -253,6 +253,11 @@ def test_misshapen_datasets_are_refused(change, message):
         Measurement(change(changed()))
 
 
+def test_correlations_in_another_order_are_refused():
+    with raises(ValueError, match="Put frequency and step first"):
+        made(stack().T)
+
+
 def test_a_header_that_claims_too_much_is_refused_before_it_is_read(tmp_path):
     huge = h5netcdf.File(tmp_path / "huge.nc", "w")
     huge.dimensions = {"y": 10**6, "x": 10**6}

@@ -2,9 +2,8 @@
 
 SPEED_OF_LIGHT = 299_792_458.0  # in vacuum, m/s (exact, SI)
 FREQUENCY_SINGLE = 7.15e9  # modulation in the single mode, Hz (Sec. 6.2)
-FREQUENCY_DOUBLED = (
-    14.32e9  # in the doubled mode, twice a drive at 7.16 GHz, Hz (Sec. 6.2.2)
-)
+# in the doubled mode, twice a drive at 7.16 GHz, Hz (Sec. 6.2.2)
+FREQUENCY_DOUBLED = 14.32e9
 FREQUENCIES = (
     FREQUENCY_SINGLE,
     FREQUENCY_DOUBLED,

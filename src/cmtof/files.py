@@ -15,9 +15,8 @@ from typing import Any
 
 AnyPath = str | Path
 _NUMBER = count()  # of the files that this process writes beside others
-_FORGOTTEN = (
-    600  # s, after which what a dead process has left is no longer another machine's
-)
+# s, after which what a dead process has left is no longer another machine's
+_FORGOTTEN = 600
 
 
 def check_input(path: AnyPath, what: str = "a file to read") -> Path:

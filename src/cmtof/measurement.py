@@ -52,6 +52,12 @@ class Measurement:
         psi = numbers(psi, "psi")
         if psi.ndim == 1:
             psi = np.broadcast_to(psi, (frequencies.size, psi.size))
+        shape = np.shape(correlation)
+        if shape[:-2] != psi.shape:
+            raise ValueError(
+                f"Expected correlation (F, K, H, W) and psi (F, K), got {shape}. "
+                "Put frequency and step first."
+            )
         coordinates = {"frequency": frequencies, "psi": (STACK[:2], psi)}
         return cls(_dataset({"correlation": correlation}, coordinates, more))
 

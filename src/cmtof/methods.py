@@ -36,13 +36,11 @@ class Method:
     tones: tuple[float, ...] = ()  # Hz, where those of the prototype do not serve
     knows_truth: bool = False  # whether it reads the true depth
     about: str = ""
-    memory: int = (
-        0  # bytes a pixel and 4 more a wrap, of those that take most: they go in tiles
-    )
+    # bytes a pixel and 4 more a wrap, of those that take most: they go in tiles
+    memory: int = 0
     network: str = ""  # whose weights it needs
-    one_beat: bool = (
-        False  # whether its confidence takes the beat for unique within the range
-    )
+    # whether its confidence takes the beat for unique within the range
+    one_beat: bool = False
     sets: bool = False  # whether `cmtof.estimate.SETS` hold for its confidence
 
     @property

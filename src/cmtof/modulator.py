@@ -42,9 +42,8 @@ class TwoPassModulator:
 
     half_wave_angle: float  # theta_h
     quarter_wave_angle: float = np.pi / 4  # theta_q
-    eta: float = (
-        ETA  # drive amplitude: retardance of one pass (the paper's modulation power)
-    )
+    # drive amplitude: retardance of one pass (the paper's modulation power)
+    eta: float = ETA
     frequency: float = constants.FREQUENCY_SINGLE  # of the drive, Hz
     # EOM to mirror, m; None is matched: half a modulation wavelength, both passes in step
     mirror_distance: float | None = None

@@ -19,9 +19,8 @@ from cmtof.constants import GAIN, INTEGRATION_TIME
 from cmtof.correlation import TAU, wrapped
 from cmtof.types import Array, Complex, Shape
 
-_LARGEST = (
-    50.0  # linear phase noise, rad, beyond which the phase is uniform over the circle
-)
+# linear phase noise, rad, beyond which the phase is uniform over the circle
+_LARGEST = 50.0
 
 
 class Denoised(NamedTuple):

@@ -23,9 +23,8 @@ Kind = Literal["closed form", "sum over draws", "share of pixels", "decision"]
 
 ROUNDING = 1e-9  # relative tolerance of a closed form
 
-STANDARD_ERRORS = (
-    5  # tolerance of a sum over draws, in standard errors of the difference
-)
+# tolerance of a sum over draws, in standard errors of the difference
+STANDARD_ERRORS = 5
 
 EDGE_PIXELS = 20  # pixels of an image that may change sides by rounding
 

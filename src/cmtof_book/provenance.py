@@ -12,9 +12,8 @@ from cmtof import __version__
 from cmtof.files import written_whole
 from cmtof_book.compared import Compared
 
-OUTPUT_VARIABLE = (
-    "CMTOF_OUTPUT"  # environment variable that names the folder for results
-)
+# environment variable that names the folder for results
+OUTPUT_VARIABLE = "CMTOF_OUTPUT"
 # stored beside every result; the profile is a file of configs/
 RUN: dict[str, str | int] = {"profile": "book", "seed": 0, "version": __version__}
 

@@ -16,9 +16,8 @@ import numpy as np
 if TYPE_CHECKING:
     from cmtof_book.paper import Published
 
-CROPS = (
-    500_000  # on which the paper's networks were trained: 1000 epochs of 500 (Sec. 8.1)
-)
+# on which the paper's networks were trained: 1000 epochs of 500 (Sec. 8.1)
+CROPS = 500_000
 WIDEST = 3  # an interval over so great a factor, or so many tolerances, decides nothing
 
 Outcome = Literal[

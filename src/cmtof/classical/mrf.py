@@ -28,15 +28,13 @@ from cmtof.types import Array, Complex, Flags, Numbers, Single
 # the best of 13 settings on six views of validation rooms:
 JUMP = 0.03  # cost of a step by one wrap that the phase does not show
 MOST = 0.1  # of the largest step
-RADIUS = (
-    2  # half side, px, of the square over which phasors are summed, turned by the slope
-)
+# half side, px, of the square over which phasors are summed, turned by the slope
+RADIUS = 2
 POOLING = 6.0  # standard deviation, px, of the Gaussian over which the beat is averaged
 MOVES = (4, -4, 2, -2, 1, -1) * 2  # of the graph cuts, wraps
 PATHS = [step for step in product((1, 0, -1), repeat=2) if any(step)]  # down, right
-_TEMPERATURE = (
-    0.08  # of the softmax: on the same views its mean is 0.36, where 33 % are right
-)
+# of the softmax: on the same views its mean is 0.36, where 33 % are right
+_TEMPERATURE = 0.08
 _SHARPEST = 1e4  # largest kappa: a beat known to 0.01 rad needs no more weight
 
 
@@ -214,10 +212,8 @@ def _cheapest(before, wide, spare):  # pragma: no cover - compiled
     """Min over m of ``before(m) - least + min(JUMP |n - m|, MOST)``, a label more at each end."""
     wide[0] = wide[-1] = MOST
     wide[1:-1] = np.minimum(before - before.min(), np.float32(MOST))
-    for reach in (
-        1,
-        2,
-    ):  # cones of 1 and 2 steps make up one of 3; 4 cost more than MOST
+    # cones of 1 and 2 steps make up one of 3; 4 cost more than MOST
+    for reach in (1, 2):
         rise = np.float32(reach * JUMP)
         spare[:] = wide
         spare[reach:] = np.minimum(spare[reach:], wide[:-reach] + rise)

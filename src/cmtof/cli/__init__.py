@@ -40,11 +40,8 @@ for command in (
 def main(arguments: list[str] | None = None) -> None:
     """Run the command line; an error becomes one line on stderr and exit code 1."""
     prepare_streams()
-    for name in (
-        "SIGTERM",
-        "SIGHUP",
-        "SIGQUIT",
-    ):  # an exit by exception removes unfinished files
+    # an exit by exception removes unfinished files
+    for name in ("SIGTERM", "SIGHUP", "SIGQUIT"):
         if hasattr(signal, name):
             signal.signal(
                 getattr(signal, name), lambda number, _: sys.exit(128 + number)

@@ -32,9 +32,8 @@ _UNIT = 0x50
 _CHANNEL = 1
 _POLL = 0.05  # s, between looks at the status bits
 ANSWER = 2.0  # s that an answer may take, whatever else comes
-LONGEST = (
-    60.0  # s that a move may take: the whole travel takes 21 s, a turn of a plate 36 s
-)
+# s that a move may take: the whole travel takes 21 s, a turn of a plate 36 s
+LONGEST = 60.0
 _MOVING = (
     "moving_forward",
     "moving_reverse",

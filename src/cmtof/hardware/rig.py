@@ -105,14 +105,12 @@ class Rig:
     )  # by STEPS of plan.py
     detector_input: Input = "AIN0"
     iq_inputs: tuple[Input, Input] = ("AIN2", "AIN3")  # of the RF demodulator's I and Q
-    flip_mirror: Literal["reference", "photodiode"] = (
-        "reference"  # where it sends the light
-    )
+    # where it sends the light
+    flip_mirror: Literal["reference", "photodiode"] = "reference"
     # of the beam to the target, where the flip mirror leads to the photodiode instead
     reference_direction_deg: tuple[Degrees, Degrees] = (0.0, 0.0)
-    reference_mirror: Literal["DAC0", "DAC1"] = (
-        "DAC0"  # output that moves that of interferometry
-    )
+    # output that moves that of interferometry
+    reference_mirror: Literal["DAC0", "DAC1"] = "DAC0"
     reference_mirror_travel: float = Field(
         default=1e-6, gt=0, le=1e-3
     )  # m per V, nearer

@@ -37,11 +37,7 @@ from cmtof.simulation import QUADRATURES
 from cmtof.types import Array, Arrays, Shape, Single, Texts
 
 # Orders of rows and columns: as they are, left to right, upside down, and both.
-MIRRORS = [
-    (..., slice(None, None, rows), slice(None, None, columns))
-    for rows in (1, -1)
-    for columns in (1, -1)
-]
+MIRRORS = [np.s_[..., ::down, ::right] for down in (1, -1) for right in (1, -1)]
 
 
 @dataclass(frozen=True)

@@ -44,9 +44,8 @@ class Stage(Strict):
     rooms: Share = 0.0  # share of crops from rooms, the others are dead leaves
     rate: tuple[PositiveFloat, PositiveFloat]
     warm: PositiveInt = 100  # steps in which the rate rises
-    freeze: Share = (
-        1.0  # from there on norms keep their statistics: a few crops' give labels away
-    )
+    # from there on norms keep their statistics: a few crops' give labels away
+    freeze: Share = 1.0
 
     @property
     def steps(self) -> int:

@@ -140,7 +140,9 @@ def stages(
     if len(grown.surfaces):
         depth = depth + field.period * joined.wraps[everywhere]
         depth = _departed(field, depth, np.append(cells.rough, 0)[grown.label])
-        joined = _calibrated(joined)
+        # probabilities are how often they were right
+        believed = np.interp(joined.odds, *CALIBRATION) / joined.odds
+        joined = joined._replace(share=joined.share * believed[:, None])
         odds = joined.odds[everywhere]
     reach = np.inf if "fill" in without else REACH
     _fill(depth[inside], grown.distance[inside] > reach, measurement)
@@ -182,9 +184,11 @@ def _grown(field: Field, without: Collection[str], known: bool) -> Grown:
     inner = placing.interiors(label, share)
     main, cut = placing.parted(field, inner, surfaces)
     if "parts" not in without and len(cut) > len(surfaces):
-        whole = owner
-        owner = np.where(main < len(surfaces), owner, main)
-        cells = pixels_of_cells(_changed(whole, owner))
+        parts = np.where(main < len(surfaces), owner, main)
+        changed = parts != owner
+        both = np.isin(parts, [owner[changed], parts[changed]])
+        cells = pixels_of_cells(np.where(both, parts, -1))
+        owner = parts
         surfaces, _ = fitted(field, cells, cut, (_STEPS, _CELLS), gain)
         label, share = placing.pixel_labels(field, owner, surfaces)
         inner = placing.interiors(label, share)
@@ -206,18 +210,6 @@ def _alone(
     if shape and "axes" not in without and len(grown.surfaces):
         found = placing.aligned(found, grown.surfaces, grown.fit, grown.label)
     return found
-
-
-def _calibrated(joined: contacts.Tied) -> contacts.Tied:
-    """Offsets whose probabilities are how often they were right."""
-    believed = np.interp(joined.odds, *CALIBRATION) / joined.odds
-    return joined._replace(share=joined.share * believed[:, None])
-
-
-def _changed(before: Numbers, after: Numbers) -> Numbers:
-    """Owners of cells after a cut, of the surfaces that it changed alone; -1 for others."""
-    cut = before != after
-    return np.where(np.isin(after, [before[cut], after[cut]]), after, -1)
 
 
 def _confidence(field: Field, odds: Array, grown: Grown, votes: Array) -> Array:

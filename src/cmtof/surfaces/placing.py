@@ -28,15 +28,13 @@ from cmtof.surfaces.roughness import (
 from cmtof.types import Array, Numbers
 
 RADIUS = 2  # half side, px, of the square over which a pixel compares surfaces
-EXPLAINED = (
-    0.4  # share S / E within that square below which a pixel lies on none of them
-)
+# share S / E within that square below which a pixel lies on none of them
+EXPLAINED = 0.4
 _INSIDE = 4  # fits use pixels without another surface this near, px,
 _CERTAIN = 0.6  # and with this S / E
 _OPEN = 2.5  # deviations above which a common offset of beats counts
-_CLOSED = (
-    0.4  # inverse variance of such an offset, 1 / wraps^2, before anything is known
-)
+# inverse variance of such an offset, 1 / wraps^2, before anything is known
+_CLOSED = 0.4
 _CLOSING = 20  # iterations towards it
 _SMOOTH = 1e-5  # departure from a plane, m (rms), allowed for where none can be seen
 _FAINT = 8.0  # loss of S, times the stiffness, from which on it is seen
@@ -44,9 +42,8 @@ _FLOOR = (
     0.05,
     0.15,
 )  # least uncertainty, wraps, of an offset by the shape and by the beat
-_BENT = (
-    1.5  # wraps of uncertainty of a beat per share of coherence that its surface lacks
-)
+# wraps of uncertainty of a beat per share of coherence that its surface lacks
+_BENT = 1.5
 _AGAIN = 2  # times that beats of rough surfaces are pooled again
 _CUT = 20.0  # least gain, as a log-likelihood, of a part,
 _EDGE = 0.12  # also per cell of its border
@@ -58,9 +55,8 @@ _UPRIGHT = 5.0  # its least likelihood, 1 / rad
 _CLEAR = 1e-2  # uncertainty, rad, of normals that vote,
 _SHARP = 1.5e-3  # and of those elected
 _FARTHEST = 10.0  # offset, wraps, up to which a plane turns in proportion
-_ENOUGH = (
-    60.0  # information from which on a cell is turned back by its own phasors alone
-)
+# information from which on a cell is turned back by its own phasors alone
+_ENOUGH = 60.0
 
 
 Beats = tuple[Array, Array, Array]
