@@ -35,8 +35,9 @@ from cmtof.pointcloud import points_from_depth
 from cmtof.statistics import reliability
 from cmtof.surfaces import stages
 from cmtof.surfaces.field import field_from_measurement
-from cmtof.surfaces.fitting import PLANE, refine
+from cmtof.surfaces.fitting import refine, whole
 from cmtof.surfaces.placing import depth_of_labels
+from cmtof.surfaces.shapes import PLANE
 from cmtof_book import notes, plotting, views
 from cmtof_book.compared import closed_form, decision, sum_over_draws
 from cmtof_book.comparison import Scene, comparison_figure
@@ -199,9 +200,8 @@ def offset_of_wall(side, draw):
         cmtof.simulate(frame, protocol="full", seed=seed + draw)
     )
     q = np.array([0, 0, 1 / 3.0, 0, 0, 0])
-    boxes = np.array([[0, side, 0, side]])
-    fit = refine(field, np.zeros((1, 1), np.int32), -1, q, boxes, PLANE, 2, 0)
-    return fit[3], 1 / np.sqrt(fit[4])
+    fit = refine(field, whole(np.array([[0, side, 0, side]])), q, PLANE, 2, 0)
+    return fit.offset, 1 / np.sqrt(fit.known)
 
 
 sizes = [n for n in (24, 32, 48, 64, 96, 128, 192, 256, 384) if n <= wall]

@@ -9,13 +9,12 @@ from cmtof.correlation import phase_from_depth, wrap_length
 from cmtof.frame import Frame, rays_from_camera
 from cmtof.measurement import Measurement
 from cmtof.surfaces.field import CELL, field_from_measurement
-from cmtof.surfaces.fitting import BENT, moved
 from cmtof.surfaces.placing import Offsets
+from cmtof.surfaces.shapes import BENT, moved
 
 SHAPE = (128, 160)
 CAMERA = (140.0, 138.0, 81.0, 62.5)
 WRAP = wrap_length(FREQUENCIES[0])
-NOTHING = np.zeros((1, 1), np.int32)  # labels where a fit looks at whole rectangles
 
 # Normals and distances, m, of two walls and the floor about a camera at the origin; nearest and
 # furthest corner, m, of a box on the floor, turned about the vertical; the camera looks down.

@@ -16,7 +16,7 @@ from numpy.testing import assert_allclose, assert_array_equal
 from pytest import approx, mark
 
 from cmtof.surfaces import contacts
-from cmtof.surfaces.fitting import BENT, moved
+from cmtof.surfaces.shapes import BENT, moved
 
 REPEAT = 357.5  # wraps
 SURE = 0.99

@@ -3,7 +3,6 @@
 import numpy as np
 from exact_scenes import (
     CAMERA,
-    NOTHING,
     WRAP,
     exact_field,
     plane_depth,
@@ -14,19 +13,13 @@ from numpy.testing import assert_allclose
 from pytest import approx, mark
 
 from cmtof.surfaces import fitting
-from cmtof.surfaces.fitting import (
-    BENT,
-    PLANE,
-    cell_likelihood,
-    depth_at,
-    moved,
-    refine,
-    select,
-)
+from cmtof.surfaces.fitting import Region, cell_likelihood, look, refine, select, whole
+from cmtof.surfaces.shapes import BENT, PLANE, depth_at, moved
 
 SHAPE = (64, 80)
 CENTRED = (140.0, 138.0, 41.0, 31.5)
 BOXES = whole_boxes(SHAPE)
+WHOLE = whole(BOXES)
 NORMALS = [(0, 0, 1), (-0.3, 0.5, 1), (0.8, -0.6, 1)]
 
 
@@ -54,21 +47,21 @@ def test_sums_are_those_of_the_likelihood(rng):
     depth, q = plane(NORMALS[1])
     field = field_of(depth, information=3.0, noise_of=rng)
     q[3:] = 1e-3 * rng.normal(size=3)
-    got = fitting._look(field, NOTHING, -1, q, BOXES, BENT)
-    assert got[0] == approx(likelihood(field, q), rel=1e-6)
-    assert got[1] == approx(field.information.sum(dtype=float), rel=1e-6)
+    got = look(field, WHOLE, q, BENT)
+    assert got.likelihood == approx(likelihood(field, q), rel=1e-6)
+    assert got.most == approx(field.information.sum(dtype=float), rel=1e-6)
     cells = [cell_likelihood(field, q, y, x) for y in range(8) for x in range(10)]
-    assert sum(cells) == approx(got[0], rel=1e-6)
+    assert sum(cells) == approx(got.likelihood, rel=1e-6)
     label = rng.integers(0, 3, SHAPE).astype(np.int32)
-    part = fitting._look(field, label, 1, q, BOXES, PLANE)
-    assert part[0] == approx(likelihood(field, q, label == 1), rel=1e-6)
+    part = look(field, Region(BOXES, label, 1), q, PLANE)
+    assert part.likelihood == approx(likelihood(field, q, label == 1), rel=1e-6)
     assert depth_at(field, q, 7, 11) == approx(depth_of(field, q)[7, 11])
 
 
 def test_gradient_and_information_are_those_of_the_derivatives(rng):
     depth, q = plane(NORMALS[2])
     field = field_of(depth, information=2.0)
-    *_, found = fitting._moments(field, NOTHING, -1, q, BOXES)
+    *_, found = fitting._moments(field, WHOLE, q)
     u, v = np.broadcast_to(field.u, SHAPE), np.broadcast_to(field.v[:, None], SHAPE)
     slopes = -(depth**2) * field.cosine * [u, v, np.ones(SHAPE), u * u, u * v, v * v]
     k = field.wavenumber[:, None, None]
@@ -78,7 +71,7 @@ def test_gradient_and_information_are_those_of_the_derivatives(rng):
     assert_allclose(found, np.tril(matrix), rtol=1e-5, atol=1e-3)
     field = field_of(depth, information=2.0, noise_of=rng)
     q += 1e-4 * rng.normal(size=BENT)
-    _, gradient, _, found = fitting._moments(field, NOTHING, -1, q, BOXES)
+    _, gradient, _, found = fitting._moments(field, WHOLE, q)
     for number in range(BENT):
         ahead, behind = q.copy(), q.copy()
         ahead[number], behind[number] = q[number] + 1e-6, q[number] - 1e-6
@@ -97,13 +90,13 @@ def test_fits_climb_back_and_hop_over_whole_wraps(normal, rng):
     start[:3] += (
         rng.uniform(-1, 1, 3) / 21 * WRAP * np.array([3.6, 4.5, 1]) / depth.max() ** 2
     )
-    got = refine(field, NOTHING, -1, start, BOXES, PLANE, 8, 0)
-    assert np.abs(depth_of(field, got[0]) - depth).max() < 1e-6
+    got = refine(field, WHOLE, start, PLANE, 8, 0)
+    assert np.abs(depth_of(field, got.q) - depth).max() < 1e-6
     for wraps in (1, 5) if normal[0] < 0.5 else ():
         start, _ = moved(field, q, BOXES, PLANE, wraps * WRAP)
         assert np.mean(depth_of(field, start) - depth) == approx(wraps * WRAP, rel=0.02)
-        got = refine(field, NOTHING, -1, start, BOXES, PLANE, 8, 60)
-        assert np.abs(depth_of(field, got[0]) - depth).max() < 1e-6
+        got = refine(field, WHOLE, start, PLANE, 8)
+        assert np.abs(depth_of(field, got.q) - depth).max() < 1e-6
 
 
 def test_planes_are_called_planes_and_balls_bent(rng):
@@ -115,7 +108,7 @@ def test_planes_are_called_planes_and_balls_bent(rng):
             q,
             moved(field, q, few, BENT, 0.0, 0, 1)[0],
         ):  # a turn per pixel off
-            found = select(field, NOTHING, -1, start, few, 6, 15.0, 1.0)[0]
+            found = select(field, whole(few), start, 6, 15.0, 1.0)[0].q
             assert not found[3:].any() and np.std(depth_of(field, found) - depth) < 5e-4
     for radius in (
         20.0,
@@ -126,7 +119,7 @@ def test_planes_are_called_planes_and_balls_bent(rng):
             along**2 - (2.5 + radius) ** 2 + radius**2
         )
         field = field_of(depth, information=20.0, noise_of=rng)
-        found = select(field, NOTHING, -1, np.eye(6)[2] / 2.5, BOXES, 8, 15.0, 1.0)[0]
+        found = select(field, WHOLE, np.eye(6)[2] / 2.5, 8, 15.0, 1.0)[0].q
         assert found[3:].any() and np.std(depth_of(field, found) - depth) < 1e-4
 
 
@@ -137,7 +130,8 @@ def test_the_offset_scatters_as_predicted():
     rng, found = np.random.default_rng(8), []
     for _ in range(60):
         field = exact_field(depth, information=1.0, noise_of=rng, camera=CAMERA)
-        found.append(refine(field, NOTHING, -1, q, boxes, PLANE, 8, 0)[3:5])
+        fit = refine(field, whole(boxes), q, PLANE, 8, 0)
+        found.append((fit.offset, fit.known))
     offset, known = np.array(found).T
     deviation = 1 / np.sqrt(known.mean())
     assert np.std(offset) == approx(deviation, rel=0.28)

@@ -3,7 +3,6 @@
 import numpy as np
 from exact_scenes import (
     CAMERA,
-    NOTHING,
     SHAPE,
     WRAP,
     corner_scene,
@@ -19,13 +18,9 @@ from cmtof.correlation import TAU
 from cmtof.measurement import Measurement
 from cmtof.simulation import simulate
 from cmtof.surfaces.field import CELL, field_from_measurement
-from cmtof.surfaces.growing import (
-    WINDOWS,
-    grown_surfaces,
-    plane_in_window,
-    spectral_slopes,
-)
+from cmtof.surfaces.growing import grown_surfaces
 from cmtof.surfaces.placing import depth_of_labels
+from cmtof.surfaces.windows import WINDOWS, plane_in_window, spectral_slopes
 
 CELLS = (SHAPE[0] // CELL, SHAPE[1] // CELL)
 
@@ -85,7 +80,7 @@ def test_planes_are_found_though_their_phase_turns_more_than_half_a_turn_a_pixel
         )
         told = float(field.information[:, top : top + side, left : left + side].sum())
         window = (top, left, side, down[0], across[0])
-        q, likely = plane_in_window(field, NOTHING, window, told)
+        q, likely = plane_in_window(field, window, told)
         found = depth_of_labels(field, np.zeros(SHAPE, int), q[None])
         slopes = [d[y, x + 1] - d[y, x] for d in (found, depth)]
         right += likely > 0.9 * told and abs(slopes[0] - slopes[1]) < 0.02 * WRAP

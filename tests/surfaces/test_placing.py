@@ -2,7 +2,6 @@
 
 import numpy as np
 from exact_scenes import (
-    NOTHING,
     SHAPE,
     WRAP,
     exact_field,
@@ -15,8 +14,9 @@ from numpy.testing import assert_allclose
 from pytest import approx
 
 from cmtof.surfaces import placing
-from cmtof.surfaces.fitting import PLANE, leaning, moved
+from cmtof.surfaces.fitting import leaning, whole
 from cmtof.surfaces.roughness import cells_of_surfaces
+from cmtof.surfaces.shapes import PLANE, moved
 
 INNER = np.zeros(SHAPE, np.int32)
 BOXES = whole_boxes(SHAPE)
@@ -89,7 +89,7 @@ def test_planes_at_right_angles_place_each_other():
         field = exact_field(depth, camera=camera)
         found.append(moved(field, q, BOXES, PLANE, -off * WRAP)[0])
         fit.append(
-            [0, 1, 0, 1e-3, *leaning(field, NOTHING, -1, found[-1], BOXES, 1.0).ravel()]
+            [0, 1, 0, 1e-3, *leaning(field, whole(BOXES), found[-1], 1.0).ravel()]
         )
     alone, label = known([0, 0, 0.6], [0.05, 0.05, 1.5]), np.repeat([0, 1, 2], 1000)
     sharp = placing.aligned(alone, np.array(found), np.array(fit), label)

@@ -70,6 +70,11 @@ class Tied(NamedTuple):
         """Probability of these wraps."""
         return self.share[:, self.share.shape[1] // 2]
 
+    def believed(self, calibration: tuple) -> "Tied":
+        """Probabilities as often right as those of these wraps were, (odds, share right)."""
+        factor = np.interp(self.odds, *calibration) / self.odds
+        return self._replace(share=self.share * factor[:, None])
+
     def moved(self, share: Array) -> "Tied":
         """Surfaces at their likeliest moves from these wraps, by probabilities (N, M) of them."""
         most = share.shape[1] // 2
@@ -85,45 +90,61 @@ def borders(field: Field, label: Numbers, surfaces: Array) -> Borders:
 
     Depths are those of the surfaces, and of their pixels' phases about them.
     """
-    count = len(surfaces)
+    pairs, at = _crossings(label)
+    jumps = _jumps(field, label, surfaces, pairs, at)
+    key = pairs[0].astype(np.int64) * len(surfaces) + pairs[1]
+    order = np.argsort(key, kind="stable")
+    found = []
+    for part in np.split(order, np.flatnonzero(np.diff(key[order])) + 1):
+        if part.size >= _LEAST:
+            found.append((*pairs[:, part[0]], *_evidence(*jumps[:, part])))
+    first, second, step, *evidence = np.array(found, float).reshape(-1, 7).T
+    odds = _odds_of_meeting(np.array(evidence).reshape(4, -1))
+    return Borders(first.astype(int), second.astype(int), step.astype(int), odds)
+
+
+def _crossings(label: Numbers) -> tuple[Numbers, Numbers]:
+    """Surfaces (2, C), the lower number first, of neighbouring pixels, and the pixels' numbers."""
     pixels = np.arange(label.size).reshape(label.shape)
     here = np.append(pixels[:-1], pixels[:, :-1])  # above, then to the left of a border
     beyond = np.append(pixels[1:], pixels[:, 1:])
     sides = label.ravel()[[here, beyond]]
     crossed = (sides[0] != sides[1]) & (sides.min(axis=0) >= 0)
-    at = np.where(sides[0] < sides[1], (here, beyond), (beyond, here))[:, crossed]
-    low, high = np.sort(sides[:, crossed], axis=0)
-    (
-        first,
-        second,
-    ) = (  # differences of depth on this side of the border and on the other
-        depth_of_pixels(field, surfaces, low, *place)
-        - depth_of_pixels(field, surfaces, high, *place)
+    at = np.where(sides[0] < sides[1], (here, beyond), (beyond, here))
+    return np.sort(sides[:, crossed], axis=0), at[:, crossed]
+
+
+def _jumps(
+    field: Field, label: Numbers, surfaces: Array, pairs: Numbers, at: Numbers
+) -> Array:
+    """By how much the first of two surfaces lies behind at a border (C,), wraps, and its slope."""
+    # on this side of the border and on the other
+    one, other = (
+        depth_of_pixels(field, surfaces, pairs[0], *place)
+        - depth_of_pixels(field, surfaces, pairs[1], *place)
         for place in (np.divmod(side, label.shape[1]) for side in at)
     )
     depth = np.nan_to_num(depth_of_labels(field, label, surfaces))
     turned = np.where(label < 0, 0, turned_back(field, depth)[0])
     departure = np.angle(sum_nearby(turned, label, _NEAR)).ravel() / TAU
-    jump = (first + second) / 2 / field.period + departure[at[0]] - departure[at[1]]
-    tilt = np.minimum(np.abs(first - second) / field.period, 1)
-    key = low.astype(np.int64) * count + high
-    order = np.argsort(key, kind="stable")
-    found = []
-    for part in np.split(order, np.flatnonzero(np.diff(key[order])) + 1):
-        if part.size < _LEAST:
-            continue
-        step = jump[part]
-        whole = np.unique(np.rint(step))
-        off = np.abs(step[:, None] - whole)
-        wide, close = (np.mean(off < most, axis=0) for most in _CLOSE)
-        best = int(np.argmax(wide))
-        evidence = wide[best], close[best], np.log(part.size), np.median(tilt[part])
-        found.append((*divmod(int(key[part[0]]), count), whole[best], *evidence))
-    first, second, step, *evidence = np.array(found, float).reshape(-1, 7).T
-    told = np.array(evidence).reshape(4, -1)
-    alike = np.full(step.size, told[1].mean() if step.size else 0)
-    odds = expit(_MEETING[0] + np.array(_MEETING[1:]) @ [*told[:2], alike, *told[2:]])
-    return Borders(first.astype(int), second.astype(int), step.astype(int), odds)
+    jump = (one + other) / 2 / field.period + departure[at[0]] - departure[at[1]]
+    return np.array([jump, np.minimum(np.abs(one - other) / field.period, 1)])
+
+
+def _evidence(step: Array, tilt: Array) -> tuple:
+    """Whole wraps of most steps along a border, shares that are close, log length, and slope."""
+    whole = np.unique(np.rint(step))
+    off = np.abs(step[:, None] - whole)
+    wide, close = (np.mean(off < most, axis=0) for most in _CLOSE)
+    best = int(np.argmax(wide))
+    return whole[best], wide[best], close[best], np.log(step.size), np.median(tilt)
+
+
+def _odds_of_meeting(evidence: Array) -> Array:
+    """Probability (B,) that surfaces meet, by the evidence (4, B) of their borders."""
+    alike = evidence[1].mean() if evidence.size else 0.0
+    told = np.insert(evidence, 2, alike, axis=0)
+    return expit(_MEETING[0] + np.array(_MEETING[1:]) @ told)
 
 
 def tied(
@@ -141,6 +162,24 @@ def tied(
     probabilities at a without the message from b, P those that both meet, M the number of offsets,
     and L < 1, since the same evidence comes back around loops.
     """
+    base, alone = _by_themselves(found, limits, repeat)
+    offsets = np.arange(-_FARTHEST, _FARTHEST + 1)
+    if told:
+        alone += told(base + offsets)
+    source = np.append(borders.first, borders.second)
+    target = np.append(borders.second, borders.first)
+    step = np.append(borders.step, -borders.step)[:, None] + base[source] - base[target]
+    place = np.clip(offsets + _FARTHEST - step, -1, offsets.size) + 1
+    belief = _propagated(alone, source, target, place, np.tile(borders.odds, 2))
+    share = softmax(belief, axis=1)
+    alike = Tied(base[:, 0].astype(float), np.zeros(0, int), share).moved(share)
+    return alike._replace(group=groups(alike.wraps, borders))
+
+
+def _by_themselves(
+    found: Offsets, limits: Array, repeat: float
+) -> tuple[Numbers, Array]:
+    """Whole wraps (N, 1) nearest to each offset, and log-probabilities (N, M) about them."""
     low, high = limits[..., None]
     mean = found.mean[:, None]
     turns = np.ceil(np.nan_to_num(low - mean, neginf=0.0) / repeat) * repeat
@@ -150,29 +189,31 @@ def tied(
     off = (offsets - (own - base)) / np.hypot(found.spread, 0.3)[:, None]
     density = softmax(-(off**2) / 2, axis=1) + _STRAY / offsets.size
     every = base + offsets
-    alone = np.log(np.where((every > low - 1) & (every < high + 1), density, _OUTSIDE))
-    if told:
-        alone += told(every)
-    source = np.append(borders.first, borders.second)
-    target = np.append(borders.second, borders.first)
-    step = np.append(borders.step, -borders.step)[:, None] + base[source] - base[target]
-    meets = np.tile(borders.odds, 2)[:, None]
-    place = np.clip(np.arange(offsets.size) - step, -1, offsets.size) + 1
-    message = np.zeros((source.size, offsets.size))
+    inside = (every > low - 1) & (every < high + 1)
+    return base, np.log(np.where(inside, density, _OUTSIDE))
+
+
+def _propagated(
+    alone: Array, source: Numbers, target: Numbers, place: Numbers, odds: Array
+) -> Array:
+    """Log-probabilities (N, M) after messages from sources to targets (2 B,), both ways in turn.
+
+    An offset of the target is at a ``place`` (2 B, M) of the source's, from 1 on.
+    """
+    count = alone.shape[1]
+    meets = odds[:, None]
+    message = np.zeros(place.shape)
     belief = alone
     for _ in range(_ROUNDS):
-        back = np.roll(message, len(borders.first), axis=0)  # the message the other way
+        back = np.roll(message, len(source) // 2, axis=0)  # the message the other way
         told = np.pad(softmax(belief[source] - back, axis=1), ((0, 0), (1, 1)))
         told = np.take_along_axis(told, place, axis=1)
-        new = _LOOP * np.log(meets * told + (1 - meets) / offsets.size)
-        message = _DAMPING * message + (1 - _DAMPING) * (
-            new - new.max(axis=1, keepdims=True)
-        )
+        new = _LOOP * np.log(meets * told + (1 - meets) / count)
+        new -= new.max(axis=1, keepdims=True)
+        message = _DAMPING * message + (1 - _DAMPING) * new
         belief = alone.copy()
         np.add.at(belief, target, message)
-    share = softmax(belief, axis=1)
-    alike = Tied(base[:, 0].astype(float), np.zeros(0, int), share).moved(share)
-    return alike._replace(group=groups(alike.wraps, borders))
+    return belief
 
 
 def groups(wraps: Array, borders: Borders) -> Numbers:

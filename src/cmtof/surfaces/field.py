@@ -57,6 +57,32 @@ class Field(NamedTuple):
 
 def field_from_measurement(measurement: Measurement) -> Field:
     """Weighted phasors of a measurement; masked pixels count, for they were measured as well."""
+    height, width = measurement.shape
+    rows, columns = (
+        max(-(-size // CELL) * CELL, _SMALLEST) for size in (height, width)
+    )
+    padding = ((0, 0), (0, rows - height), (0, columns - width))
+    focal = _FOCAL_LENGTH * max(height, width)
+    lens = measurement.camera
+    if lens is None:
+        lens = (focal, focal, width / 2, height / 2)
+    u = (np.arange(columns) + 0.5 - lens[2]) / lens[0]
+    v = (np.arange(rows) + 0.5 - lens[3]) / lens[1]
+    wavenumber = 2 * TAU * measurement.frequencies[:2] / SPEED_OF_LIGHT
+    return Field(
+        *np.pad(_weighted(measurement), ((0, 0), *padding)),
+        wavenumber,
+        turns=TAU * np.rint(wavenumber / wavenumber[0]),
+        u=u,
+        v=v,
+        cosine=1 / np.sqrt(1 + u**2 + v[:, None] ** 2),
+        limits=measurement.range,
+        period=float(TAU / wavenumber[0]),
+    )
+
+
+def _weighted(measurement: Measurement) -> Array:
+    """Real and imaginary part of P, and K: (3, 2, H, W)."""
     phase = measurement.phase[:2].astype(float)
     spread = phase_noise(measurement)
     known = np.isfinite([phase, measurement.amplitude[:2], spread]).all(axis=(0, 1))
@@ -67,35 +93,8 @@ def field_from_measurement(measurement: Measurement) -> Field:
     # P = a p / s^2 with the smoothed a / s and this pixel's own p / s
     size = np.sqrt(information) * ratio
     turned = np.where(known, phase, 0)
-    height, width = measurement.shape
-    rows, columns = (
-        max(-(-size // CELL) * CELL, _SMALLEST) for size in (height, width)
-    )
-    padding = ((0, 0), (0, rows - height), (0, columns - width))
-    images = np.array(
-        [size * np.cos(turned), size * np.sin(turned), information], np.float32
-    )
-    real, imaginary, information = np.pad(images, ((0, 0), *padding))
-    focal = _FOCAL_LENGTH * max(height, width)
-    camera = measurement.camera
-    fx, fy, cx, cy = (
-        (focal, focal, width / 2, height / 2) if camera is None else camera[:4]
-    )
-    u = (np.arange(columns) + 0.5 - cx) / fx
-    v = (np.arange(rows) + 0.5 - cy) / fy
-    wavenumber = 2 * TAU * measurement.frequencies[:2] / SPEED_OF_LIGHT
-    return Field(
-        real,
-        imaginary,
-        information,
-        wavenumber,
-        turns=TAU * np.rint(wavenumber / wavenumber[0]),
-        u=u,
-        v=v,
-        cosine=1 / np.sqrt(1 + u**2 + v[:, None] ** 2),
-        limits=measurement.range,
-        period=float(TAU / wavenumber[0]),
-    )
+    images = [size * np.cos(turned), size * np.sin(turned), information]
+    return np.array(images, np.float32)
 
 
 def _smoothed(power: Array, known: Flags) -> Array:

@@ -127,7 +127,7 @@ def stages(
     alone = _alone(field, cells, grown, without)
     touching = contacts.borders(field, grown.label, grown.surfaces)
     touching = touching._replace(odds=touching.odds * ("ties" not in without))
-    inside = tuple(slice(0, n) for n in measurement.shape)
+    inside = np.s_[: measurement.shape[0], : measurement.shape[1]]
     masked = np.where(measurement.mask, grown.label[inside], -1)
     joined = contacts.tied(
         alone,
@@ -135,19 +135,13 @@ def stages(
         _limits(field, depth[inside], masked, len(grown.surfaces)),
         repeat=1 / abs(field.excess),
         told=told and partial(told, depth[inside], masked),
-    )
-    odds = np.zeros(depth.shape)
-    if len(grown.surfaces):
-        depth = depth + field.period * joined.wraps[everywhere]
-        depth = _departed(field, depth, np.append(cells.rough, 0)[grown.label])
-        # probabilities are how often they were right
-        believed = np.interp(joined.odds, *CALIBRATION) / joined.odds
-        joined = joined._replace(share=joined.share * believed[:, None])
-        odds = joined.odds[everywhere]
-    reach = np.inf if "fill" in without else REACH
-    _fill(depth[inside], grown.distance[inside] > reach, measurement)
+    ).believed(CALIBRATION)
+    # where there is no surface, the number -1 stands for the last entry
+    depth = depth + field.period * np.append(joined.wraps, 0)[everywhere]
+    depth = _departed(field, depth, np.append(cells.rough, 0)[grown.label])
+    if "fill" not in without:
+        _fill(depth[inside], grown.distance[inside] > REACH, measurement)
     elected, votes = voted(field, depth, grown.label >= 0, alone.closure)
-    depth = np.where(votes > 0, elected, depth)
     masked[votes[inside] > 0] = -1
     return Stages(
         field,
@@ -157,8 +151,8 @@ def stages(
         alone,
         touching,
         joined,
-        depth,
-        _confidence(field, odds, grown, votes),
+        np.where(votes > 0, elected, depth),
+        _confidence(field, np.append(joined.odds, 0)[everywhere], grown, votes),
         contacts.components(joined, touching, masked),
     )
 
@@ -182,20 +176,29 @@ def _grown(field: Field, without: Collection[str], known: bool) -> Grown:
     owner, surfaces = grown_surfaces(field, gain=gain, roughest=ROUGHEST * known)
     label, share = placing.pixel_labels(field, owner, surfaces)
     inner = placing.interiors(label, share)
-    main, cut = placing.parted(field, inner, surfaces)
-    if "parts" not in without and len(cut) > len(surfaces):
-        parts = np.where(main < len(surfaces), owner, main)
-        changed = parts != owner
-        both = np.isin(parts, [owner[changed], parts[changed]])
-        cells = pixels_of_cells(np.where(both, parts, -1))
-        owner = parts
-        surfaces, _ = fitted(field, cells, cut, (_STEPS, _CELLS), gain)
-        label, share = placing.pixel_labels(field, owner, surfaces)
-        inner = placing.interiors(label, share)
+    if "parts" not in without:
+        parts, cut = placing.parted(field, inner, surfaces)
+        if len(cut) > len(surfaces):
+            owner, surfaces = _refitted(field, owner, parts, cut, gain)
+            label, share = placing.pixel_labels(field, owner, surfaces)
+            inner = placing.interiors(label, share)
     surfaces, fit = fitted(field, inner, surfaces, (_STEPS, _CELLS), gain)
     off = label < 0
     distance = np.where(off.all(), np.inf, distance_transform_edt(off))
     return Grown(owner, label, share, inner, surfaces, fit, distance)
+
+
+def _refitted(
+    field: Field, owner: Numbers, parts: Numbers, surfaces: Array, gain: float
+) -> tuple[Numbers, Array]:
+    """Owner of each cell, its part where there are new ones, and the surfaces fitted again."""
+    count = owner.max() + 1
+    parts = np.where(parts < count, owner, parts)
+    changed = parts != owner
+    both = np.isin(parts, [owner[changed], parts[changed]])
+    cells = pixels_of_cells(np.where(both, parts, -1))
+    surfaces, _ = fitted(field, cells, surfaces, (_STEPS, _CELLS), gain)
+    return parts, surfaces
 
 
 def _alone(
@@ -267,9 +270,9 @@ def voted(field: Field, depth: Array, explained: Flags, closure: float) -> Array
     doubt = doubt_of_beats(field)
     clear = doubt < DOUBT
     # pixels among those whose phases are not those of their surface vote again
-    astray = np.abs(np.angle(turned_back(field, depth))).max(axis=0)
-    fitting = uniform_filter((explained & (astray < _ASTRAY)).astype(float), _SQUARE)
-    explained = explained & (~clear | (fitting >= _MOST))
+    close = np.abs(np.angle(turned_back(field, depth))).max(axis=0) < _ASTRAY
+    close = uniform_filter((explained & close).astype(float), _SQUARE)
+    explained = explained & (~clear | (close >= _MOST))
     asked = ~explained & clear
     if not asked.any():
         return np.full(depth.shape, np.nan), np.zeros(depth.shape)
@@ -284,9 +287,10 @@ def voted(field: Field, depth: Array, explained: Flags, closure: float) -> Array
         TAU**2 / (2 * spread**2),
         np.where(explained, depth / field.period, np.nan),
     )
-    limits = np.array(field.limits) / field.period
-    found, share = _vote(ballot, field.ratio, _FARTHEST * step, limits)
-    return found * field.period, share
+    place, share = _vote(
+        ballot, field.ratio, _FARTHEST * step, np.array(field.limits) / field.period
+    )
+    return place * field.period, share
 
 
 def doubt_of_beats(field: Field) -> Array:
@@ -325,20 +329,20 @@ def _vote(ballot, ratio, far, limits):  # pragma: no cover - compiled
 def _support(ballot, ratio, y, x, z):  # pragma: no cover - compiled
     """Votes of the neighbours of a pixel for a depth, wraps."""
     height, width = ballot.low.shape
-    scale = 1 / (2 * _KERNEL**2)
     total = 0.0
     for v in range(max(0, y - _RADIUS), min(height, y + _RADIUS + 1)):
         for u in range(max(0, x - _RADIUS), min(width, x + _RADIUS + 1)):
             if np.isfinite(ballot.place[v, u]):
                 away = ballot.place[v, u] - z
-                cost = scale * away * away
+                cost = away * away / (2 * _KERNEL**2)
             elif ballot.asked[v, u]:
                 there = ballot.low[v, u]
                 there = there + np.rint(z - there)
                 away = there - z
                 left = ballot.high[v, u] - ratio * there
                 left -= np.rint(left)
-                cost = scale * away * away + ballot.sharp[v, u] * left * left
+                cost = away * away / (2 * _KERNEL**2)
+                cost += ballot.sharp[v, u] * left * left
             else:
                 continue
             weight = _GAUSS[v - y + _RADIUS] * _GAUSS[u - x + _RADIUS]

@@ -13,7 +13,7 @@ from scipy.ndimage import maximum_filter, minimum_filter, uniform_filter
 from cmtof.compiled import njit
 from cmtof.correlation import TAU
 from cmtof.surfaces.field import CELL, Field
-from cmtof.surfaces.fitting import FARTHEST, pixel_likelihood
+from cmtof.surfaces.fitting import pixel_likelihood
 from cmtof.surfaces.growing import around
 from cmtof.surfaces.roughness import (
     Cells,
@@ -25,7 +25,8 @@ from cmtof.surfaces.roughness import (
     sum_surfaces,
     turned_alike,
 )
-from cmtof.types import Array, Numbers
+from cmtof.surfaces.shapes import FARTHEST
+from cmtof.types import Array, Arrays, Flags, Numbers
 
 RADIUS = 2  # half side, px, of the square over which a pixel compares surfaces
 # share S / E within that square below which a pixel lies on none of them
@@ -128,27 +129,31 @@ def depth_of_pixels(
 @njit()
 def _label(field, owner, surfaces, label, best):  # pragma: no cover - compiled
     """Sum S of every surface about a cell over squares about its pixels; keep the largest."""
-    height, width = label.shape
     side = 2 * RADIUS + 1
-    patch = np.zeros((CELL + 2 * RADIUS, CELL + 2 * RADIUS))
-    for cell in range(owner.size):
-        row, column = divmod(cell, owner.shape[1])
-        top = row * CELL - RADIUS
-        left = column * CELL - RADIUS
+    for row, column in np.ndindex(owner.shape):
         for n in around(owner, row, column):
-            patch[:] = 0.0
-            for y in range(max(top, 0), min(top + patch.shape[0], height)):
-                for x in range(max(left, 0), min(left + patch.shape[1], width)):
-                    patch[y - top, x - left] = pixel_likelihood(
-                        field, surfaces[n], y, x
-                    )
+            near = _near_cell(field, surfaces[n], row, column)
             for y in range(CELL):
                 for x in range(CELL):
-                    total = np.sum(patch[y : y + side, x : x + side])
+                    total = np.sum(near[y : y + side, x : x + side])
                     at = (row * CELL + y, column * CELL + x)
                     if total > best[at]:
                         best[at] = total
                         label[at] = n
+
+
+@njit()
+def _near_cell(field, q, row, column):  # pragma: no cover - compiled
+    """S of a surface at each pixel of a cell and of a margin about it."""
+    height, width = field.cosine.shape
+    side = CELL + 2 * RADIUS
+    top = row * CELL - RADIUS
+    left = column * CELL - RADIUS
+    out = np.zeros((side, side))
+    for y in range(max(top, 0), min(top + side, height)):
+        for x in range(max(left, 0), min(left + side, width)):
+            out[y - top, x - left] = pixel_likelihood(field, q, y, x)
+    return out
 
 
 def offsets(
@@ -162,74 +167,114 @@ def offsets(
     beat, noise, coherence = beats
     doubt = _FLOOR[1] + _BENT * (1 - np.clip(coherence, 0.05, 1))
     by_beat = 1 / (noise**2 + doubt**2)
+    by_shape = _known_by_shape(fit) * shape
+    total = by_beat + by_shape
+    flat = ~surfaces[:, 3:6].any(axis=1)  # what is bent may have been bent by a wrap
+    off = 0.0
+    if not closed:
+        off = _closure(beat - fit[:, 0], flat * by_beat * by_shape / total)
+    mean = (fit[:, 0] * by_shape + (beat - off) * by_beat) / total
+    return Offsets(mean, 1 / np.sqrt(total), off)
+
+
+def _known_by_shape(fit: Array) -> Array:
+    """Inverse variance (N,), 1 / wraps^2, of offsets by the shapes of planes."""
     known, missed, bend = np.maximum(fit[:, 1:4].T, 1e-12)
     stiff = np.where(fit[:, 1] > 0, known / bend**2, 0)
     # what is too faint for its own unevenness to be seen is as uneven as the others
     order = np.argsort(missed)
     told = stiff[order].cumsum()
-    typical = (
-        missed[order][np.searchsorted(told, told[-1:] / 2)] if len(told) else missed
-    )
+    typical = missed
+    if len(told):
+        typical = missed[order][np.searchsorted(told, told[-1:] / 2)]
     unseen = np.minimum(typical, np.sqrt(_FAINT / np.maximum(stiff, 1e-12)))
     uneven = np.maximum(missed, np.maximum(unseen, _SMOOTH))
     variance = 1 / known + (uneven / bend) ** 2 + _FLOOR[0] ** 2
-    by_shape = np.where((fit[:, 1] > 0) & shape, 1 / variance, 0)
-    flat = ~surfaces[:, 3:6].any(axis=1)  # what is bent may have been bent by a wrap
-    excess = beat - fit[:, 0]
-    total = by_beat + by_shape
-    weight = both = flat * by_beat * by_shape / total
+    return np.where(fit[:, 1] > 0, 1 / variance, 0)
+
+
+def _closure(excess: Array, most: Array) -> float:
+    """Mean excess of beats over shapes, wraps, by Student's weights, ``most`` at best.
+
+    It is zero if it is not significant.
+    """
+    weight = most
     off = 0.0
     for _ in range(_CLOSING):
-        weight = both / (1 + both * (excess - off) ** 2 / 2)
+        weight = most / (1 + most * (excess - off) ** 2 / 2)
         off = float(weight @ excess / (weight.sum() + _CLOSED))
-    if closed or abs(off) < _OPEN / np.sqrt(weight.sum() + 1e-12):
-        off = 0.0
-    mean = (fit[:, 0] * by_shape + (beat - off) * by_beat) / total
-    return Offsets(mean, 1 / np.sqrt(total), off)
+    return 0.0 if abs(off) < _OPEN / np.sqrt(weight.sum() + 1e-12) else off
+
+
+class Planes(NamedTuple):
+    """Normals of planes, one entry (N,) each, zeros for what is bent."""
+
+    normal: Array  # (N, 3)
+    turn: Array  # (N, 3), its change by a wrap
+    noise: Array  # (N, 3, 3), its covariance
+    known: Flags  # whether it is a plane
+
+
+def _planes(surfaces: Array, fit: Array) -> Planes:
+    """Normals of surfaces (N, 7) by their fit (N, 16)."""
+    length = np.linalg.norm(surfaces[:, :3], axis=1, keepdims=True)
+    normal = surfaces[:, :3] / length
+    shift = fit[:, 4:7]
+    turn = (shift - normal * np.sum(normal * shift, axis=1, keepdims=True)) / length
+    noise = fit[:, 7:].reshape(-1, 3, 3) / length[:, :, None] ** 2
+    return Planes(normal, turn, noise, shift.any(axis=1))
 
 
 def aligned(found: Offsets, surfaces: Array, fit: Array, label: Numbers) -> Offsets:
     """Offsets of planes, made sharper where these stand upright to the axes of a room.
 
     Moved by m wraps, a plane of normal n turns to n + m dn: a right angle to an axis a gives m.
-    The first axis is the normal to which most are parallel or upright, the second upright to it.
     """
-    length = np.linalg.norm(surfaces[:, :3], axis=1, keepdims=True)
-    normal = surfaces[:, :3] / length
-    shift = fit[:, 4:7]
-    turn = (shift - normal * np.sum(normal * shift, axis=1, keepdims=True)) / length
-    noise = fit[:, 7:].reshape(-1, 3, 3) / length[:, :, None] ** 2
-    plane = shift.any(axis=1)
+    planes = _planes(surfaces, fit)
     mean = found.mean
     variance = found.spread**2
-    now = normal + mean[:, None] * turn
+    now = planes.normal + mean[:, None] * planes.turn
     now /= np.linalg.norm(now, axis=1, keepdims=True)
-    trace = np.trace(noise, axis1=1, axis2=2) + variance * np.sum(turn**2, axis=1)
-    width = np.sqrt(trace + _PLUMB**2)
-    size = np.bincount(label[label >= 0], minlength=mean.size)
-    clear = plane & (width < _CLEAR)
-    cosine = np.abs(now @ now.T)
+    trace = np.trace(planes.noise, axis1=1, axis2=2)
+    width = np.sqrt(trace + variance * np.sum(planes.turn**2, axis=1) + _PLUMB**2)
+    size = np.bincount(label[label >= 0], minlength=width.size)
+    for axis in _axes(now, width, np.where(planes.known & (width < _CLEAR), size, -1)):
+        mean, variance = _upright(planes, mean, variance, axis)
+    return found._replace(mean=mean, spread=np.sqrt(variance))
+
+
+def _axes(normal: Array, width: Array, size: Numbers) -> list[Array]:
+    """Axes of a room from normals, their deviations, rad, and sizes, px, -1 of those not clear.
+
+    The first is the normal to which most are parallel or upright, the second upright to it.
+    """
+    clear = size >= 0
+    size = np.maximum(size, 0)
+    cosine = np.abs(normal @ normal.T)
     apart = 3 * np.hypot(width, width[:, None])
     square = cosine < apart
-    votes = (square | (1 - cosine**2 < apart**2)) @ np.where(clear, size, 0) - size
+    votes = (square | (1 - cosine**2 < apart**2)) @ size - size
     votes = np.where(clear, votes / (1 + (width / _SHARP) ** 2), 0)
     one = int(np.argmax(votes))
     other = int(np.argmax(votes * square[one]))
     if not votes[other] * square[one, other]:
-        return found
-    second = now[other] - now[one] * (now[other] @ now[one])
+        return []
+    first = normal[one]
+    second = normal[other] - first * (normal[other] @ first)
     second /= np.linalg.norm(second)
-    for axis in (now[one], second, np.cross(now[one], second)):
-        slope = turn @ axis
-        off = (normal + mean[:, None] * turn) @ axis
-        total = noise @ axis @ axis + _PLUMB**2 + slope**2 * variance
-        likely = np.exp(-(off**2) / total / 2) / np.sqrt(TAU * total)
-        use = plane & (likely > _UPRIGHT) & (np.abs(mean) < _FARTHEST)
-        gain = np.where(use, slope * variance / total, 0)
-        mean = mean - gain * off
-        least = np.minimum(variance, _FLOOR[0] ** 2)
-        variance = np.maximum(variance * (1 - gain * slope), least)
-    return found._replace(mean=mean, spread=np.sqrt(variance))
+    return [first, second, np.cross(first, second)]
+
+
+def _upright(planes: Planes, mean: Array, variance: Array, axis: Array) -> Arrays:
+    """Mean and variance (N,) of offsets by the right angles of planes to an axis."""
+    slope = planes.turn @ axis
+    off = (planes.normal + mean[:, None] * planes.turn) @ axis
+    total = planes.noise @ axis @ axis + _PLUMB**2 + slope**2 * variance
+    likely = np.exp(-(off**2) / total / 2) / np.sqrt(TAU * total)
+    use = planes.known & (likely > _UPRIGHT) & (np.abs(mean) < _FARTHEST)
+    gain = np.where(use, slope * variance / total, 0)
+    least = np.minimum(variance, _FLOOR[0] ** 2)
+    return mean - gain * off, np.maximum(variance * (1 - gain * slope), least)
 
 
 def pooled_beats(field: Field, cells: Cells) -> Beats:
@@ -263,16 +308,16 @@ def _beats(field: Field, cells: Cells) -> Beats:
 
 def _cell_phasors(field: Field, cells: Cells) -> Array:
     """Phasors (2, h, w) of cells without what moves both alike."""
-    main, label, turned, sums, told, rough = cells
+    sums = cells.sums
     multiple = field.multiple
-    if rough.any():  # pixels are turned back by their own departure first
-        off = departure(field, turned, np.append(rough, 0)[label])
-        sums = sum_cells(turned_alike(field, turned, off))
+    if cells.rough.any():  # pixels are turned back by their own departure first
+        off = departure(field, cells.turned, np.append(cells.rough, 0)[cells.label])
+        sums = sum_cells(turned_alike(field, cells.turned, off))
     near = sums
-    reached = told.sum(axis=0)  # six functions miss what these turn back
+    reached = cells.told.sum(axis=0)  # six functions miss what these turn back
     for radius in (1, 2, 4):
         weak = reached < _ENOUGH
-        wider = sum_nearby(np.concatenate([sums, told]), main, radius)
+        wider = sum_nearby(np.concatenate([sums, cells.told]), cells.main, radius)
         near = np.where(weak, wider[:2], near)
         reached = np.where(weak, wider[2:].real.sum(axis=0), reached)
     low = np.angle(near[0])
@@ -290,41 +335,56 @@ def parted(field: Field, inner: Numbers, surfaces: Array) -> tuple[Numbers, Arra
     """
     depth = depth_of_labels(field, inner, surfaces)
     cells = cells_of_surfaces(field, inner, depth, len(surfaces))
-    turned = _cell_phasors(field, cells)
+    lags = _lags(field, cells)
     main = cells.main
-    told = cells.told
-    wrap = TAU * field.excess
-    ratio = field.multiple
-    low, high = turned.imag / np.maximum(told, 1e-6)
-    lag = (high - ratio * low) / wrap
-    weight = (
-        wrap**2 * told[0] * told[1] / np.maximum(told[0] + ratio**2 * told[1], 1e-9)
-    )
     for _ in range(_CUTS):
         count = len(surfaces)
-        summed = partial(sum_surfaces, main, count=count)
-        middle = (summed(weight * lag) / np.maximum(summed(weight), 1e-9))[main]
-        apart = 1.0
-        radius = 1
-        for _ in range(5):
-            ahead = sum_nearby(weight * (lag - middle) * apart, main, radius) > 0
-            sides = np.array([~ahead, ahead])
-            known = np.maximum(summed(weight * sides), 1e-9)
-            rest, part = summed(weight * lag * sides) / known
-            middle = ((part + rest) / 2)[main]
-            apart = (part - rest)[main]
-            radius = 2
-        border = np.zeros(count + 1)
-        for axis in (0, 1):
-            here = np.delete(main, 0, axis)
-            inside = here == np.delete(main, -1, axis)
-            border += sum_surfaces(here, inside & np.diff(ahead, axis=axis), count)
-        gain = (part - rest) ** 2 / np.sum(1 / known, axis=0) / 2
-        good = gain > np.maximum(_CUT, _EDGE * border)
-        good &= summed(sides).min(axis=0) >= _PART
-        good &= np.abs(part - rest) > _APART
+        ahead, apart, known = _halves(main, *lags, count)
+        gain = apart**2 / np.sum(1 / known, axis=0) / 2
+        good = gain > np.maximum(_CUT, _EDGE * _borders_of_halves(main, ahead, count))
+        good &= (
+            sum_surfaces(main, np.array([~ahead, ahead]), count).min(axis=0) >= _PART
+        )
+        good &= np.abs(apart) > _APART
         good[count] = False  # of cells without a surface
         new = count + np.cumsum(good) - 1
         main = np.where(ahead & good[main], new[main], main)
         surfaces = np.concatenate([surfaces, surfaces[good[:count]]])
     return main, surfaces
+
+
+def _lags(field: Field, cells: Cells) -> tuple[Array, Array]:
+    """Lag of the beat of each cell (h, w), wraps, and its inverse variance."""
+    told = cells.told
+    wrap = TAU * field.excess
+    ratio = field.multiple
+    low, high = _cell_phasors(field, cells).imag / np.maximum(told, 1e-6)
+    both = np.maximum(told[0] + ratio**2 * told[1], 1e-9)
+    return (high - ratio * low) / wrap, wrap**2 * told[0] * told[1] / both
+
+
+def _halves(
+    main: Numbers, lag: Array, weight: Array, count: int
+) -> tuple[Flags, Array, Array]:
+    """Cells (h, w) of each surface that lie ahead, by how much (N + 1,), and weights (2, N + 1)."""
+    summed = partial(sum_surfaces, main, count=count)
+    middle = (summed(weight * lag) / np.maximum(summed(weight), 1e-9))[main]
+    turn = 1.0
+    for radius in (1, 2, 2, 2, 2):
+        ahead = sum_nearby(weight * (lag - middle) * turn, main, radius) > 0
+        sides = np.array([~ahead, ahead])
+        known = np.maximum(summed(weight * sides), 1e-9)
+        rest, part = summed(weight * lag * sides) / known
+        middle = ((part + rest) / 2)[main]
+        turn = (part - rest)[main]
+    return ahead, part - rest, known
+
+
+def _borders_of_halves(main: Numbers, ahead: Flags, count: int) -> Array:
+    """Length (N + 1,), cells, of the border of what lies ahead within each surface."""
+    border = np.zeros(count + 1)
+    for axis in (0, 1):
+        here = np.delete(main, 0, axis)
+        inside = here == np.delete(main, -1, axis)
+        border += sum_surfaces(here, inside & np.diff(ahead, axis=axis), count)
+    return border
