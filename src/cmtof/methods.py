@@ -181,6 +181,7 @@ _ALL = (
     ),
     _learned("fast-scnn-fourier", _BAEK, "The paper's network without phase edges"),
     _learned("fast-scnn-phase", _BAEK, "The paper's network on bare phases"),
+    _learned("fast-scnn-public", _BAEK, "Layers of the authors' public code"),
     _learned(
         "fast-scnn-light",
         "this project",

@@ -21,13 +21,26 @@ def flat(depth, intensity, sigma, side=200, seed=0):
     )
 
 
-def test_noise_free_phases_are_those_of_the_depth():
-    batch = flat(7.1, 0.7, 0.0, 1)._replace(noise=torch.zeros(1, 4, 2, 1, 1))
-    phase = data.phasors(batch)[0].numpy().squeeze()
-    # single precision would lose 0.3 mrad over 700 wraps
-    assert phase == approx(
-        TAU * 7.1 / wrap_length(np.array(FREQUENCIES)) % TAU, abs=1e-4
+def test_noise_free_phases_are_those_of_the_depth_and_their_offsets():
+    offset = np.array([0.01, -0.02])
+    batch = flat(7.1, 0.7, 0.0, 1)._replace(
+        noise=torch.zeros(1, 4, 2, 1, 1), offset=torch.from_numpy(offset)[None]
     )
+    phase = data.phasors(batch)[0].numpy().squeeze()
+    expected = TAU * 7.1 / wrap_length(np.array(FREQUENCIES)) + offset
+    # single precision would lose 0.3 mrad over 700 wraps
+    assert phase == approx(expected % TAU, abs=1e-4)
+
+
+def test_offsets_spread_as_told_and_change_nothing_else(config):
+    apart = config.model_copy(update={"offset": 0.01})
+    batches = [data.Steps(apart, None)[step] for step in range(30)]
+    offsets = torch.cat([batch.offset for batch in batches]).numpy().ravel()
+    # five standard errors of a standard deviation
+    assert offsets.std() == approx(0.01, rel=5 / np.sqrt(2 * offsets.size))
+    plain = data.Steps(config, None)[0]
+    assert torch.equal(plain.noise, batches[0].noise)
+    assert not plain.offset.any()
 
 
 def test_images_have_the_simulators_mean_and_noise(flat_wall):
@@ -64,6 +77,7 @@ def test_labels_are_wraps_and_mask_what_lies_outside(protocol):
         torch.ones(1, 1, 4),
         torch.ones(1),
         torch.zeros(1, 4, 2, 1, 4),
+        torch.zeros(1, 2),
     )
     sample = data.measure(batch, inputs="phase", protocol=protocol)
     assert sample.label[0, 0].tolist() == [IGNORED, 3, IGNORED, IGNORED]

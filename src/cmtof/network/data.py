@@ -3,6 +3,7 @@
 import warnings
 from collections.abc import Sequence
 from dataclasses import dataclass
+from operator import itemgetter
 from pathlib import Path
 from typing import Any, NamedTuple
 
@@ -11,7 +12,6 @@ import torch
 from torch import Tensor
 from torch.utils.data import Dataset
 
-from cmtof.compiled import njit
 from cmtof.constants import FREQUENCIES, GAIN, INTEGRATION_TIME, SPEED_OF_LIGHT
 from cmtof.correlation import TAU, wrap_length
 from cmtof.frame import Source
@@ -37,6 +37,7 @@ class Batch(NamedTuple):
     intensity: Tensor  # (B, H, W), linear, 0 to 1
     sigma: Tensor  # (B,), of a correlation image, counts
     noise: Tensor  # (B, 4, 2, H, W), standard normal
+    offset: Tensor  # (B, 2), error of calibration of each phase, rad
 
 
 class Sample(NamedTuple):
@@ -61,7 +62,7 @@ def phasors(batch: Batch) -> tuple[Tensor, Tensor, Tensor]:
     # turns are reduced in double precision: 700 wraps in float32 would lose a milliradian
     depth = torch.where(known, batch.depth, 0.0).double()[:, None]
     turns = depth * (2 * tones / SPEED_OF_LIGHT).view(-1, 1, 1)
-    angle = (TAU * (turns - turns.floor())).float()
+    angle = (TAU * (turns - turns.floor())).float() + batch.offset[..., None, None]
     spread = torch.sqrt(signal / 4 + batch.sigma.view(-1, 1, 1, 1) ** 2 / 2)
     x = signal / torch.pi * torch.cos(angle) + spread * batch.noise[:, 0]
     y = signal / torch.pi * torch.sin(angle) + spread * batch.noise[:, 1]
@@ -97,65 +98,58 @@ def leaves(rng: np.random.Generator, side: int, protocol: str = "released") -> C
     Depth, brightness and texture are independent, so that only the phases determine a wrap.
     Some plates lie nearer than the protocol's range; slopes are those of rooms that it has shrunk.
     """
-    first, classes = CLASSES[protocol]
-    uniform = rng.uniform
-    count = int(rng.integers(3, 4 + 11 * side // 96))
-    size = side * np.exp(uniform(np.log(0.15), 0, count))
-    x, y = uniform(0, side, (count, 2)).T
-    turn, way, wave = uniform(0, TAU, (3, count))
-    extent = np.array([size, size * uniform(0.2, 1, count)])
-    extent[:, 0] = 4 * side  # background
-    box = rng.integers(0, 2, count) == 0
-    near = uniform(-min(25, first), 0, count)
-    within = uniform(-0.5, classes + 0.5, count)
-    level = first + np.where(uniform(size=count) < 0.85, within, near)
-    slope = (0.02 if first else 0.1) * np.exp(rng.normal(0, 1, count))
-    bend = rng.normal(0, 2, count) * (uniform(size=count) < 0.3) / size**2
-    bright = 0.35 * np.exp(rng.normal(0, 1.1, count))
-    contrast = uniform(0, 0.8, count) * (uniform(size=count) < 0.6)
-    pitch = np.exp(uniform(np.log(4), np.log(60), count))
-    texture = rng.integers(0, 3, count)  # stripes, checks, gradient
     turns, light = np.zeros((2, side, side))
-    place = x, y, np.cos(turn), np.sin(turn), *extent, box
-    shape = level, slope * np.cos(way), slope * np.sin(way), bend
-    look = (
-        bright,
-        contrast,
-        TAU * np.cos(wave) / pitch,
-        TAU * np.sin(wave) / pitch,
-        texture,
-    )
-    for plate in zip(*place, *shape, *look, strict=True):
-        _paint(turns, light, *plate)
-    grain = 0.15 * rng.standard_normal((side, side)) * (uniform() < 0.5)
-    return np.where(turns > 1, turns * WRAP, np.nan), np.minimum(
-        light * np.exp(grain), 1
+    pixels = np.indices((side, side))[::-1]
+    for number in range(rng.integers(3, 4 + 11 * side // 96)):
+        size = 4.0 * side  # of the background
+        if number:
+            size = side * np.exp(rng.uniform(np.log(0.15), 0))
+        away = pixels - rng.uniform(0, side, 2)[:, None, None]
+        along, beside = _rotated(away, rng) / size
+        beside /= rng.uniform(0.2, 1) if number else 1.0
+        far = np.hypot(along, beside)
+        if rng.integers(2):  # a rectangle rather than an ellipse
+            far = np.maximum(abs(along), abs(beside))
+        turns = np.where(far > 1, turns, _slanted(rng, away, size, protocol))
+        light = np.where(far > 1, light, _textured(rng, pixels, along))
+    grain = 0.15 * rng.standard_normal((side, side)) * (rng.uniform() < 0.5)
+    depth = np.where(turns > 1, turns * WRAP, np.nan)
+    return depth, np.minimum(light * np.exp(grain), 1)
+
+
+def _rotated(pixels: Array, rng: np.random.Generator) -> Array:
+    """Coordinates (2, H, W), x and y, along and beside a random direction."""
+    angle = rng.uniform(0, TAU)
+    x, y = pixels
+    return np.array(
+        [
+            x * np.cos(angle) + y * np.sin(angle),
+            y * np.cos(angle) - x * np.sin(angle),
+        ]
     )
 
 
-@njit()
-def _paint(  # pragma: no cover
-    turns, light, x, y, cosine, sine, long, wide, box,
-    level, right, down, bend, bright, contrast, wave_x, wave_y, texture,
-):  # fmt: skip
-    """Put a plate in front of turns and brightness."""
-    reach = int(1.5 * max(long, wide)) + 1
-    side = len(turns)
-    for i in range(max(0, int(y) - reach), min(side, int(y) + reach)):
-        for j in range(max(0, int(x) - reach), min(side, int(x) + reach)):
-            dx = j - x
-            dy = i - y
-            u = (dx * cosine + dy * sine) / long
-            v = (dy * cosine - dx * sine) / wide
-            if (max(abs(u), abs(v)) if box else u * u + v * v) > 1:
-                continue
-            turns[i, j] = level + dx * right + dy * down + bend * (dx * dx + dy * dy)
-            wave = np.sin(j * wave_x + i * wave_y)
-            if texture == 1:
-                wave = np.sign(wave) * np.sign(np.sin(i * wave_x - j * wave_y))
-            elif texture == 2:
-                wave = min(max(u, -1.0), 1.0)
-            light[i, j] = bright * (1 + contrast * wave)
+def _slanted(
+    rng: np.random.Generator, away: Array, size: float, protocol: str
+) -> Array:
+    """Depth (H, W), wraps, of a plate of that size, px, by the distance from its middle."""
+    first, classes = CLASSES[protocol]
+    level = rng.uniform(-0.5, classes + 0.5)
+    if rng.uniform() > 0.85:
+        level = rng.uniform(-min(25, first), 0)
+    slope = (0.02 if first else 0.1) * np.exp(rng.normal())
+    bend = rng.normal(0, 2) * (rng.uniform() < 0.3) / size**2
+    return first + level + slope * _rotated(away, rng)[0] + bend * (away**2).sum(0)
+
+
+def _textured(rng: np.random.Generator, pixels: Array, along: Array) -> Array:
+    """Brightness (H, W) of a plate: stripes, checks or a gradient along it."""
+    pitch = np.exp(rng.uniform(np.log(4), np.log(60)))
+    waves = np.sin(TAU / pitch * _rotated(pixels, rng))
+    kinds = (waves[0], np.sign(waves[0] * waves[1]), np.clip(along, -1, 1))
+    contrast = rng.uniform(0, 0.8) * (rng.uniform() < 0.6)
+    bright = 0.35 * np.exp(rng.normal(0, 1.1))
+    return bright * (1 + contrast * kinds[rng.integers(3)])
 
 
 class Pack(NamedTuple):
@@ -210,10 +204,7 @@ def open_rooms(config: Config, tree: Path | None, folder: Path) -> Packs:
     Without rooms none to train on, and leaves of a seed of their own.
     """
     if config.rooms is None:
-        rngs = (np.random.default_rng([99, k]) for k in range(config.validation_views))
-        crops = [leaves(rng, config.stages[-1].crop, config.protocol) for rng in rngs]
-        depth, light = (np.stack(images) for images in zip(*crops, strict=True))
-        return None, Pack(depth, light, np.full(len(crops), RELEASED_FAR_DEPTH))
+        return None, _pack_of_leaves(config)
     if tree is None:
         from cmtof_rooms.rendering import Settings, render_rooms
 
@@ -227,36 +218,45 @@ def open_rooms(config: Config, tree: Path | None, folder: Path) -> Packs:
     return train, val
 
 
+def _pack_of_leaves(config: Config) -> Pack:
+    """Leaves to validate on."""
+    rngs = (np.random.default_rng([99, k]) for k in range(config.validation_views))
+    crops = [leaves(rng, config.stages[-1].crop, config.protocol) for rng in rngs]
+    depth, light = (np.stack(images) for images in zip(*crops, strict=True))
+    return Pack(depth, light, np.full(len(crops), RELEASED_FAR_DEPTH))
+
+
 def room_crop(rng: np.random.Generator, pack: Pack, side: int, protocol: str) -> Crop:
     """Random crop, turned, mirrored, and mostly moved in depth: rooms give few wraps a crop.
 
     Taken is the first of four draws with 30 % of its pixels in range, or the best of them.
     """
-    first, classes = CLASSES[protocol]
-    views, height, width = pack.depth.shape
-    share = -1.0
-    best: Sequence[Array] = ()
+    draws = []
     for _ in range(4):
-        view, y, x = (
-            rng.integers(n) for n in (views, height - side + 1, width - side + 1)
-        )
-        found, shade = pack.staged(
-            view, protocol, (slice(y, y + side), slice(x, x + side))
-        )
-        known = found[np.isfinite(found)]
-        if known.size and rng.uniform() < 2 / 3:
-            found += (first + rng.uniform(0, classes)) * WRAP - rng.choice(known)
-            found[found < WRAP] = np.nan
-        scored = np.mean((found >= first * WRAP) & (found < (first + classes) * WRAP))
-        if scored > share:
-            share = scored
-            best = (found, shade)
-        if share > 0.3:
+        draws.append(_drawn(rng, pack, side, protocol))
+        if draws[-1][0] > 0.3:
             break
+    _, *best = max(draws, key=itemgetter(0))
     turn = rng.integers(4)
     mirror = 1 - 2 * rng.integers(2)
     depth, light = (np.rot90(image, turn)[:, ::mirror] for image in best)
     return depth, np.clip(light * np.exp(rng.uniform(-0.4, 0.4)), 0, 1)
+
+
+def _drawn(
+    rng: np.random.Generator, pack: Pack, side: int, protocol: str
+) -> tuple[float, Array, Array]:
+    """Share in range of a window of a frame, two of three times moved, its depth and intensity."""
+    first, classes = CLASSES[protocol]
+    sizes = np.subtract(pack.depth.shape, (0, side - 1, side - 1))
+    view, y, x = (rng.integers(size) for size in sizes)
+    depth, light = pack.staged(view, protocol, np.s_[y : y + side, x : x + side])
+    known = depth[np.isfinite(depth)]
+    if known.size and rng.uniform() < 2 / 3:
+        depth += (first + rng.uniform(0, classes)) * WRAP - rng.choice(known)
+        depth[depth < WRAP] = np.nan
+    inside = (depth >= first * WRAP) & (depth < (first + classes) * WRAP)
+    return float(inside.mean()), depth, light
 
 
 @dataclass(eq=False)
@@ -283,11 +283,11 @@ class Steps(Dataset[Batch]):
             else:
                 crop = leaves(rng, stage.crop, self.config.protocol)
             crops.append((*crop, sigma * float(np.exp(rng.uniform(-0.2, 0.1))), rng))
-        return batch_of(crops)
+        return batch_of(crops, self.config.offset)
 
 
-def batch_of(crops: list[tuple]) -> Batch:
-    """Batch of crops (depth, intensity, sigma, generator of their noise)."""
+def batch_of(crops: list[tuple], offset: float = 0.0) -> Batch:
+    """Batch of crops (depth, intensity, sigma, generator of their noise and phase offset)."""
     depth, light, sigma, rngs = zip(*crops, strict=True)
     noise = [
         rng.standard_normal((4, 2, *depth[0].shape), dtype=np.float32) for rng in rngs
@@ -297,5 +297,6 @@ def batch_of(crops: list[tuple]) -> Batch:
         np.stack(light).astype(np.float32),
         np.float32(sigma),
         np.stack(noise),
+        np.float32([rng.normal(0, offset, 2) for rng in rngs]),
     )
     return Batch(*map(torch.from_numpy, images))

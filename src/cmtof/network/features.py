@@ -27,6 +27,7 @@ ORDER = 5
 # Inputs by name: the rows of Table 1, those with the beat besides, and raw correlations.
 FEATURE_SETS: dict[str, tuple[str, ...]] = {
     "phase": ("phase", "amplitude"),
+    "octaves": ("phase", "fourier"),
     "fourier": ("phase", "fourier", "amplitude"),
     "proposed": ("phase", "fourier", "edges", "amplitude"),
     "beat": ("phase", "fourier", "edges", "amplitude", "beat"),

@@ -18,6 +18,19 @@ class SingleConv2d(nn.Conv2d):
             return super()._conv_forward(input.float(), weight.float(), bias)
 
 
+class ImageNorm(nn.InstanceNorm2d):
+    """Norm over each image without weights."""
+
+    def forward(self, input: Tensor) -> Tensor:
+        if not self.training:
+            return super().forward(input)
+        # image by image: three times as fast where channels lie last
+        images = input.split(1)
+        return torch.cat(
+            [functional.batch_norm(x, None, None, training=True) for x in images]
+        )
+
+
 class Normed(nn.Sequential):
     """Convolution, batch norm, and what follows them.
 
@@ -27,7 +40,7 @@ class Normed(nn.Sequential):
 
     def forward(self, x: Tensor) -> Tensor:
         layer, norm, *more = self
-        if norm.training:
+        if norm.training or isinstance(norm, ImageNorm):
             return super().forward(x)
         scale, offset = scale_and_offset(norm)
         x = layer._conv_forward(x, layer.weight * scale.view(-1, 1, 1, 1), offset)
@@ -42,17 +55,23 @@ def scale_and_offset(norm: nn.Module) -> tuple[Tensor, Tensor]:
     return scale, norm.bias - norm.running_mean * scale
 
 
-def conv(i: int, o: int, kernel=3, stride=1, relu=True, dilation=1, groups=1) -> Normed:
-    """Convolution, batch norm, ReLU."""
-    kind = SingleConv2d if dilation > 1 and groups > 1 else nn.Conv2d
+def conv(
+    i: int, o: int, kernel=3, *, relu=True, norm=nn.BatchNorm2d, dilation=1, **more
+) -> Normed:
+    """Convolution, norm, ReLU; `torch.nn.Conv2d` has ``more``."""
+    # one kernel for each channel
+    alone = dilation > 1 and more.get("groups", 1) > 1
+    kind = SingleConv2d if alone else nn.Conv2d
     margin = dilation * (kernel // 2)
-    layer = kind(i, o, kernel, stride, margin, dilation, groups, bias=False)
-    return Normed(layer, nn.BatchNorm2d(o), *([nn.ReLU(inplace=True)] if relu else []))
+    layer = kind(i, o, kernel, padding=margin, dilation=dilation, bias=False, **more)
+    return Normed(layer, norm(o), *([nn.ReLU(inplace=True)] if relu else []))
 
 
-def separable(i: int, o: int, stride: int = 1) -> nn.Sequential:
+def separable(i: int, o: int, stride: int = 1, norm=nn.BatchNorm2d) -> nn.Sequential:
     """Depthwise separable convolution."""
-    return nn.Sequential(conv(i, i, 3, stride, groups=i), conv(i, o, 1))
+    return nn.Sequential(
+        conv(i, i, stride=stride, groups=i, norm=norm), conv(i, o, 1, norm=norm)
+    )
 
 
 def resized(x: Tensor, like: Tensor) -> Tensor:
@@ -66,14 +85,16 @@ class Bottleneck(nn.Module):
     """Inverted residual of MobileNetV2: widen, convolve each channel, narrow, add."""
 
     def __init__(
-        self, i: int, o: int, stride: int, expansion: int, dilation: int = 1
+        self, i: int, o: int, stride=1, expansion=6, dilation=1, norm=nn.BatchNorm2d
     ) -> None:
         super().__init__()
         wide = expansion * i
         self.residual = stride == 1 and i == o
-        middle = conv(wide, wide, 3, stride, groups=wide, dilation=dilation)
+        middle = conv(
+            wide, wide, stride=stride, groups=wide, dilation=dilation, norm=norm
+        )
         self.body = nn.Sequential(
-            conv(i, wide, 1), middle, conv(wide, o, 1, relu=False)
+            conv(i, wide, 1, norm=norm), middle, conv(wide, o, 1, relu=False, norm=norm)
         )
 
     def forward(self, x: Tensor) -> Tensor:
@@ -86,7 +107,9 @@ class Residual(nn.Module):
     def __init__(self, i: int, o: int, stride: int = 1) -> None:
         super().__init__()
         self.body = nn.Sequential(conv(i, o, stride=stride), conv(o, o, relu=False))
-        self.shortcut = nn.Identity() if i == o else conv(i, o, 1, stride, relu=False)
+        self.shortcut = (
+            nn.Identity() if i == o else conv(i, o, 1, stride=stride, relu=False)
+        )
 
     def forward(self, x: Tensor) -> Tensor:
         return functional.relu(self.body(x) + self.shortcut(x))

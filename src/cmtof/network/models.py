@@ -12,9 +12,12 @@ from torch.nn import functional
 
 from cmtof.constants import FREQUENCIES
 from cmtof.correlation import TAU
+from cmtof.network import public
 from cmtof.network.features import CLASSES, FEATURE_SETS, channels, padding
 from cmtof.network.layers import (
     Bottleneck,
+    ImageNorm,
+    Normed,
     Pyramid,
     Residual,
     conv,
@@ -25,6 +28,9 @@ from cmtof.network.layers import (
 
 # Change of the beat `phi_2 - 2 phi_1` from one wrap of the lower frequency to the next, rad.
 BEAT = TAU * (FREQUENCIES[1] / FREQUENCIES[0] - 2)
+
+# First filters are large: norms divide it out, and steps of the optimiser disturb the sums less.
+LARGE = 8.0
 
 
 class Model(NamedTuple):
@@ -99,7 +105,7 @@ class FastSCNN(Network):
         half, quarter = self.down_widths
         self.stem = conv(self.inputs, self.stem_width)
         self.down = nn.Sequential(
-            conv(self.stem_width, half, 3, 2), separable(half, quarter, 2)
+            conv(self.stem_width, half, stride=2), separable(half, quarter, 2)
         )
         pairs = enumerate(pairwise((quarter, *self.widths)))
         blocks = (
@@ -145,27 +151,32 @@ class FastSCNN(Network):
         or at four places where the range is a whole turn.
         """
         quarters = (1, -1) if self.classes * BEAT < TAU / 2 else (0, 1, 2, 3)
-        places = len(quarters)
-        angles = self.stem_width // 2 // places
-        # large: norms divide it out again, and steps of the optimiser disturb the sums less
-        large = 8.0
-        count = angles * places
-        octaves = [14, 15, 4, 5]  # after two phases
-        alpha = TAU / angles * torch.arange(angles)
         middle = BEAT * (first + self.classes / 2)
-        moved = torch.cat(
-            [alpha + (middle + TAU / 4 * quarter) for quarter in quarters]
-        )
-        alpha = alpha.repeat(places)
+        self._filter([middle + TAU / 4 * quarter for quarter in quarters])
+        self._hand_on(len(quarters))
+        if len(quarters) > 2:
+            self._begin_alike()
+
+    def _filter(self, betas: list[float]) -> None:
+        """Half of the stem's filters: as many angles alpha for each beta."""
+        angles = self.stem_width // 2 // len(betas)
+        alpha = TAU / angles * torch.arange(angles)
+        moved = torch.cat([alpha + beta for beta in betas])
+        alpha = alpha.repeat(len(betas))
         filters = torch.stack([alpha.cos(), -alpha.sin(), -moved.cos(), moved.sin()], 1)
-        self.stem[0].weight[:count] = 0
-        self.stem[0].weight[:count, octaves, 1, 1] = large * filters
-        # eight channels for the sums over alpha and their differences
-        sums = torch.eye(places).repeat_interleave(angles, 1) * (large / (2 * angles))
+        weight = self.stem[0].weight
+        weight[: len(filters)] = 0
+        octaves = [14, 15, 4, 5]  # after two phases
+        weight[: len(filters), octaves, 1, 1] = LARGE * filters
+
+    def _hand_on(self, places: int) -> None:
+        """Eight channels for the sums over alpha and their differences, as far as the pyramid."""
+        angles = self.stem_width // 2 // places
+        sums = torch.eye(places).repeat_interleave(angles, 1) * (LARGE / (2 * angles))
         sums = torch.cat([sums, sums - sums.roll(1, 0)]).repeat(4 // places, 1)
         enter, norm, _ = self.down[0]
         enter.weight[:8] = 0
-        enter.weight[:8, :count] = sums[..., None, None]
+        enter.weight[:8, : sums.shape[1]] = sums[..., None, None]
         norm.bias[:8] = 2.0
         # from there on each goes alone, averaged, two spreads above the ReLU's corner
         path = [*self.down[1], *self.pyramid.branches]
@@ -176,17 +187,18 @@ class FastSCNN(Network):
                 path += block.body
         for kernel, norm, *relu in path:
             kernel.weight[:8] = 0
+            size = kernel.kernel_size[0]
             for k in range(8):
-                kernel.weight[k, 0 if kernel.groups > 1 else k] = (
-                    large / kernel.kernel_size[0]
-                )
+                kernel.weight[k, 0 if kernel.groups > 1 else k] = LARGE / size
             norm.bias[:8] = 2.0 if relu else 0.0
-        if places > 2:  # classes near each other begin alike: smooth random functions
-            cycle = torch.arange(1, 65)
-            place = torch.arange(self.classes) + 0.5
-            codes = torch.randn(64, self.head_width) / (1 + (cycle[:, None] / 6) ** 2)
-            waves = torch.cos(torch.outer(place, cycle) * (TAU / 2 / self.classes))
-            self.output.weight[..., 0, 0] = 0.12 * waves @ codes
+
+    def _begin_alike(self) -> None:
+        """Classes near each other: smooth random functions of the place in the range."""
+        cycle = torch.arange(1, 65)
+        place = torch.arange(self.classes) + 0.5
+        codes = torch.randn(64, self.head_width) / (1 + (cycle[:, None] / 6) ** 2)
+        waves = torch.cos(torch.outer(place, cycle) * (TAU / 2 / self.classes))
+        self.output.weight[..., 0, 0] = 0.12 * waves @ codes
 
 
 class LightFastSCNN(FastSCNN):
@@ -200,6 +212,45 @@ class LightFastSCNN(FastSCNN):
     expansion = 3
     dilations = 1, 1, 1, 1
     pools = 3, 5, 9, 17
+
+
+class PublicFastSCNN(Network):
+    """Fast-SCNN of the authors' public code: phases alone, no skip at full resolution."""
+
+    stride = 8
+    reach = 256
+    widths = 64, 64, 64, 64, 96, 96, 96, 128, 128, 128
+    halved = 0, 3  # bottlenecks of stride 2
+
+    def build(self) -> None:
+        enter = nn.Conv2d(self.inputs, 32, 3, 2, bias=False)
+        self.down = nn.Sequential(
+            Normed(enter, ImageNorm(32), nn.ReLU()),
+            separable(32, 48, norm=ImageNorm),
+            separable(48, 64, norm=ImageNorm),
+        )
+        blocks = (
+            Bottleneck(i, o, 2 if k in self.halved else 1, norm=ImageNorm)
+            for k, (i, o) in enumerate(pairwise(self.widths))
+        )
+        self.extract = nn.Sequential(*blocks, public.Pyramid(128, (2, 3, 6)))
+        self.deep = nn.Sequential(
+            conv(128, 128, groups=128, norm=ImageNorm),
+            conv(128, 128, 1, relu=False, norm=ImageNorm),
+        )
+        self.fine = conv(64, 128, 1, relu=False, norm=ImageNorm)
+        self.classify = nn.Sequential(
+            separable(128, 128, norm=ImageNorm),
+            separable(128, 128, norm=ImageNorm),
+            nn.Dropout(0.1),
+            nn.Conv2d(128, self.outputs, 1),
+        )
+
+    def body(self, x: Tensor) -> Tensor:
+        fine = self.down(x)  # (B, 64, H/2, W/2)
+        deep = self.deep(public.spread(self.extract(fine), fine))
+        mixed = functional.relu(deep + self.fine(fine))
+        return public.spread(self.classify(mixed), x)
 
 
 class UNet(Network):
@@ -312,6 +363,7 @@ MODELS = {
     "fast-scnn-ce": Model(FastSCNN, depth_weight=0.0),
     "fast-scnn-fourier": Model(FastSCNN, "fourier"),
     "fast-scnn-phase": Model(FastSCNN, "phase"),
+    "fast-scnn-public": Model(PublicFastSCNN, "octaves"),
     "fast-scnn-light": Model(LightFastSCNN, "beat"),
     "u-net": Model(UNet, "correlation", 0.0),
     "one-step": Model(OneStep, "correlation"),

@@ -181,9 +181,8 @@ class Unwrapping(LightningModule):
         places = np.linspace(0, len(pack.far) - 1, self.config.validation_views)
         sigma = self.config.stages[-1].noise[1]
         for view in np.unique(places.round()).astype(int):
-            rng = np.random.default_rng([7, view])
-            crop = (*pack.staged(view, self.config.protocol), sigma, rng)
-            held = batch_of([crop])
+            crop = pack.staged(view, self.config.protocol)
+            held = batch_of([(*crop, sigma, np.random.default_rng([7, view]))])
             sample = self.measured(Batch(*(x.to(self.device) for x in held)))
             with torch.inference_mode():
                 found = network(sample.inputs)

@@ -17,6 +17,7 @@ from cmtof.network.data import WRAP, Sample
 from cmtof.network.features import features
 from cmtof.network.inference import network_images
 from cmtof.network.losses import IGNORED
+from cmtof.network.models import Network
 from cmtof.network.training import (
     average_into,
     keep_pages,
@@ -26,10 +27,13 @@ from cmtof.network.training import (
 )
 from cmtof.types import Array, Numbers
 
+# A measurement, its wraps, and its depth.
+Example = tuple[Measurement, Numbers, Array]
+
 
 def fine_tune(
     trained: weights.Trained,
-    examples: Sequence[tuple[Measurement, Numbers, Array]],
+    examples: Sequence[Example],
     *,
     steps: int = 200,
     learning_rate: float = 1e-4,
@@ -44,48 +48,66 @@ def fine_tune(
     depths, for a few scans hold few wraps; norms keep their means. Returned are losses and a tuned
     copy, the average over the last hundred steps.
     """
-    card = trained.card
     keep_pages()
-    average = deepcopy(trained.network).requires_grad_(False)
-    network = deepcopy(trained.network).to(memory_format=torch.channels_last).train()
-    views = [_view(trained, *example) for example in examples]
-    views = [view for view in views if (view[1] != IGNORED).any()]
-    if not views:
-        raise ValueError(
-            f"Expected labels among the wraps {card.first_wrap} to "
-            f"{card.first_wrap + card.classes - 1}, got none in {len(examples)} measurements. "
-            "Choose other weights."
-        )
-    for layer in norms(network):
-        layer.eval()
-    crop = min(crop, *(min(label.shape) for _, label, _ in views))
+    views = _views(trained, examples)
+    crop = min(crop, *(min(view[1].shape) for view in views))
     rng = np.random.default_rng(seed)
-    losses = []
-    optimizer = optimizer_of(network, "muon", learning_rate)
-    fall = torch.optim.lr_scheduler.LinearLR(optimizer, 1.0, 0.0, steps)
-    for step in range(steps):
-        drawn = rng.integers(len(views), size=batch)
-        pieces = [
-            _piece(views[k], card.classes, crop, network.model.features, rng)
-            for k in drawn
-        ]
-        loss = loss_of(network, default_collate(pieces))
-        optimizer.zero_grad()
-        loss.backward()
-        nn.utils.clip_grad_norm_(network.parameters(), 2.0)
-        optimizer.step()
-        fall.step()
-        average_into(average, network, step, 0.99)
-        losses.append(loss.item())
+    tuner = Tuner(trained.network, steps, learning_rate)
+    for _ in range(steps):
+        tuner.learn(
+            [
+                _piece(views[k], tuner.network, crop, rng)
+                for k in rng.integers(len(views), size=batch)
+            ]
+        )
     note = {
         "steps": steps,
         "learning_rate": learning_rate,
         "examples": len(views),
         "seed": seed,
     }
-    return weights.Trained(
-        average.eval(), card.model_copy(update={"fine_tuned": note})
-    ), losses
+    card = trained.card.model_copy(update={"fine_tuned": note})
+    return weights.Trained(tuner.average.eval(), card), tuner.losses
+
+
+class Tuner:
+    """A copy of a network that learns, and the average of its weights."""
+
+    losses: list[float]  # of each step, before the weights learn from it
+
+    def __init__(self, network: Network, steps: int, rate: float) -> None:
+        self.losses = []
+        self.average = deepcopy(network).requires_grad_(False)
+        self.network = deepcopy(network).to(memory_format=torch.channels_last).train()
+        for layer in norms(self.network):
+            layer.eval()
+        self.optimizer = optimizer_of(self.network, "muon", rate)
+        self.fall = torch.optim.lr_scheduler.LinearLR(self.optimizer, 1.0, 0.0, steps)
+
+    def learn(self, pieces: list[Sample]) -> None:
+        """Learn from a batch of pieces."""
+        loss = loss_of(self.network, default_collate(pieces))
+        self.optimizer.zero_grad()
+        loss.backward()
+        nn.utils.clip_grad_norm_(self.network.parameters(), 2.0)
+        self.optimizer.step()
+        average_into(self.average, self.network, len(self.losses), 0.99)
+        self.fall.step()
+        self.losses.append(loss.item())
+
+
+def _views(trained: weights.Trained, examples: Sequence[Example]) -> list[tuple]:
+    """Views of examples with a label; a ValueError if there is none."""
+    views = [_view(trained, *example) for example in examples]
+    views = [view for view in views if (view[1] != IGNORED).any()]
+    if not views:
+        first = trained.card.first_wrap
+        raise ValueError(
+            f"Expected labels among the wraps {first} to "
+            f"{first + trained.card.classes - 1}, got none in {len(examples)} measurements. "
+            "Choose other weights."
+        )
+    return views
 
 
 def _view(
@@ -106,27 +128,32 @@ def _view(
 
 
 def _piece(
-    view: tuple, classes: int, side: int, kind: str, rng: np.random.Generator
+    view: tuple, network: Network, side: int, rng: np.random.Generator
 ) -> Sample:
     """Augmented crop with a labelled pixel; NumPy arrays."""
+    label, turns, phase, amplitude, *more = _cut(view, side, rng)
+    known = label != IGNORED
+    move = 0.0
+    if not more:  # raw correlations stay where they are
+        far = network.classes - turns[known].max()
+        move = rng.uniform(-turns[known].min(), far)
+    ratio = np.array(FREQUENCIES)[:, None, None] / FREQUENCIES[0]
+    label = label + np.floor(phase[0] / TAU + move).astype(int)
+    label[~known | (label < 0) | (label >= network.classes)] = IGNORED
+    phase = np.mod(phase + TAU * move * ratio, TAU).astype(np.float32)
+    inputs = features(phase, amplitude, network.model.features, *more)
+    return Sample(inputs, label, phase[0], turns + move)
+
+
+def _cut(view: tuple, side: int, rng: np.random.Generator) -> list[Array]:
+    """Classes, turns and images of a window about a labelled pixel, turned and mirrored."""
     images, label, turns = view
     place = zip(rng.choice(np.argwhere(label != IGNORED)), label.shape, strict=True)
     y, x = (np.clip(at - rng.integers(side), 0, size - side) for at, size in place)
     window = (..., slice(y, y + side), slice(x, x + side))
     turn = rng.integers(4) * rng.integers(2)  # scenes stand upright more often
     mirror = 1 - 2 * rng.integers(2)
-    cut = (
-        np.rot90(x[window], turn, (-2, -1))[..., ::mirror]
-        for x in (label, turns, *images)
-    )
-    (label, turns, phase, amplitude, *more), move = map(np.ascontiguousarray, cut), 0.0
-    known = label != IGNORED
-    if not more:  # raw correlations stay where they are
-        move = rng.uniform(-turns[known].min(), classes - turns[known].max())
-    ratio = np.array(FREQUENCIES)[:, None, None] / FREQUENCIES[0]
-    label = label + np.floor(phase[0] / TAU + move).astype(int)
-    label[~known | (label < 0) | (label >= classes)] = IGNORED
-    phase = np.mod(phase + TAU * move * ratio, TAU).astype(np.float32)
-    return Sample(
-        features(phase, amplitude, kind, *more), label, phase[0], turns + move
-    )
+    return [
+        np.ascontiguousarray(np.rot90(image[window], turn, (-2, -1))[..., ::mirror])
+        for image in (label, turns, *images)
+    ]

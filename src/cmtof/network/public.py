@@ -1,0 +1,53 @@
+"""Layers of the authors' public code, which are not those of the paper's text.
+
+Facts from https://github.com/princeton-computational-imaging/GHz-ToF, ``net/arch.py``.
+"""
+
+import torch
+from torch import Tensor, nn
+from torch.nn import functional
+
+from cmtof.network.layers import ImageNorm, conv
+
+
+def spread(x: Tensor, like: Tensor) -> Tensor:
+    """Image at the size of another, bilinear, corners on corners."""
+    return functional.interpolate(
+        x, size=like.shape[-2:], mode="bilinear", align_corners=True
+    )
+
+
+def means(size: int, count: int, like: Tensor) -> Tensor:
+    """Shares (count, size) of pixels in the means over equal parts of a row.
+
+    They are those of adaptive pooling, which ONNX does not have.
+    """
+    pixel = torch.arange(size, device=like.device)
+    part = torch.arange(count, device=like.device)[:, None]
+    inside = (pixel >= part * size // count) & (pixel * count < (part + 1) * size)
+    shares = inside.to(like.dtype)
+    return shares / shares.sum(1, keepdim=True)
+
+
+class Pyramid(nn.Module):
+    """Features beside their means over parts of the image.
+
+    The public code has a mean over all of it, too, of which its norm leaves nothing.
+    """
+
+    def __init__(self, width: int, counts: tuple[int, ...]) -> None:
+        super().__init__()
+        self.counts = counts  # parts of a row and of a column
+        quarter = width // 4
+        self.branches = nn.ModuleList(
+            conv(width, quarter, 1, norm=ImageNorm) for _ in counts
+        )
+        self.join = conv(width + quarter * len(counts), width, 1, norm=ImageNorm)
+
+    def forward(self, x: Tensor) -> Tensor:
+        height, width = x.shape[-2:]
+        found = [x]
+        for branch, count in zip(self.branches, self.counts, strict=True):
+            mean = means(height, count, x) @ x @ means(width, count, x).T
+            found.append(spread(branch(mean), x))
+        return self.join(torch.cat(found, 1))
