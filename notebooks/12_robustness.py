@@ -19,28 +19,23 @@ wall_side: int = 384  # of the wall on which the beat is tried, px
 wall_draws: int = 4  # draws of its noise
 offsets_high: list = [-50, -35, -20, -5, 5, 20, 35, 50]  # on 14.32 GHz, mrad
 offsets_low: list = [-50, -25, 25, 50]  # on 7.15 GHz, mrad
-calibrated: list = [-20, -15, -11, -6, -3, 0, 3, 6, 11, 15, 20]  # closures, mrad
-step: float = 1e6  # spacing of drives on the grid, for two and three frequencies, Hz
-step_four: float = 2e6  # the same for four frequencies, Hz
-draws: int = 2000  # pixels behind each dot of the odds; sets of scenes
-dots: int = 6  # dots on each curve
+step: float = 1e6  # spacing of drives on the grid, Hz
+draws: int = 2000  # sets of scenes; depths that test each set of frequencies
 results: str = "../book/results"  # folder of counts over all test frames
 
 # %% tags=["hide-input"]
-from itertools import combinations
+from itertools import combinations, product
 from pathlib import Path
 
 import matplotlib.pyplot as plt
 import numpy as np
 from matplotlib.colors import LogNorm
 from scipy.special import jv, ndtr, ndtri
-from scipy.stats import binomtest
 
 import cmtof
 from cmtof import bounds
-from cmtof.classical.region import relative_phase
 from cmtof.constants import FREQUENCIES, NOISE_SIGMA
-from cmtof.correlation import TAU, centred, phase_from_depth, wrap_length, wrapped
+from cmtof.correlation import TAU, phase_from_depth, wrap_length, wrapped
 from cmtof.evaluation import rates, read_counts, score, scored_pixels
 from cmtof.frame import Frame, held_out_frames, rays_from_camera
 from cmtof.network.weights import read_card, weights_path
@@ -307,121 +302,13 @@ plotting.save(
 )
 
 # %% [markdown]
-# ## Self-calibration by the closure
+# ## Calibration
 #
-# The beat of a surface minus the phase within its wrap must be a whole number of wraps; the
-# remainder is the closure, the offset modulo one wrap. It is measured on tiles of a white wall at
-# unknown range: a smooth surface is fitted and subtracted from both phases; phasors are summed.
-
-
-# %% tags=["hide-input"]
-def within_period(closure):
-    """Closure, rad, less whole wraps."""
-    return np.remainder(closure + period / 2, period) - period / 2
-
-
-def closure_of_tile(relative, phasors, terms, middle):
-    """Closure and its spread, rad, of a smooth, bright surface; pixels last."""
-    fit = terms @ np.linalg.lstsq(terms, relative, rcond=None)[0]
-    turned = phasors * np.exp(-1j * np.outer([1, high / low], fit))
-    mean = np.angle(turned.sum(axis=1))
-    noise = np.std(np.angle(turned * np.exp(-1j * mean[:, None])), axis=1)
-    beat = middle + centred(mean[1] - 2 * mean[0] - middle)
-    spread = np.hypot(noise[1], 2 * noise[0]) / np.sqrt(fit.size)
-    return within_period(beat - detuning * mean[0]), spread
-
-
-def closures(measurement, tile):
-    """Closure and its spread, rad, of every square tile of a smooth, bright target."""
-    relative = relative_phase(measurement)
-    phasors = measurement.amplitude * np.exp(1j * measurement.phase)
-    powers = [np.linspace(-1, 1, tile) ** k for k in range(5)]
-    terms = [
-        np.outer(powers[i], powers[j]).ravel() for i in range(5) for j in range(5 - i)
-    ]
-    terms = np.stack(terms, axis=1)
-    middle = period * sum(measurement.range) / 2 / wrap
-    found = []
-    for top, left in np.ndindex(*np.floor_divide(relative.shape, tile)):
-        area = np.s_[tile * top : tile * (top + 1), tile * left : tile * (left + 1)]
-        pixels = relative[area].ravel(), phasors[:, *area].reshape(2, -1)
-        found.append(closure_of_tile(*pixels, terms, middle))
-    return np.array(found).T
-
-
-def pooled_closure(value, width):
-    """Mean on the circle of one period, each weighted by its information, and its spread, rad."""
-    turn = TAU / period
-    rho = np.exp(-((turn * width) ** 2) / 2)
-    lost = -np.expm1(-2 * (turn * width) ** 2)
-    mean = np.sum(rho / lost * np.exp(1j * turn * value))
-    return float(np.angle(mean) / turn), float(
-        1 / (turn * np.sqrt(np.sum(2 * rho**2 / lost)))
-    )
-
-
-# %% tags=["hide-input"]
-board = wall(384, 0.5, 0.9)
-restored = []
-for draw, value in enumerate(np.array(calibrated) / 1e3):
-    m = cmtof.simulate(
-        board,
-        protocol="full",
-        phase_offset=(0, value),
-        seed=seed + 1,
-        frame_number=draw,
-    )
-    found, width = pooled_closure(*closures(m, 128))
-    scored = {"before": [], "after": []}
-    for place, frame in frames.items():
-        raw = cmtof.simulate(
-            frame, phase_offset=(0, value), seed=seed, frame_number=place
-        )
-        psi = raw.dataset["psi"].to_numpy() + np.array([[0], [found]])
-        mended = raw.dataset.assign_coords(
-            psi=(("frequency", "step"), psi, {"units": "rad"})
-        )
-        for key, m in (("before", raw), ("after", cmtof.Measurement(mended))):
-            scored[key].append(scored_pixels(cmtof.unwrap(m, method="beat"), m))
-    restored.append((value, found, *(score(pixels) for pixels in scored.values())))
-error = [within_period(found - value) for value, found, *_ in restored]
-print(
-    f"closure of a wall: rms error {1e3 * np.sqrt(np.mean(np.square(error))):.2f} mrad, "
-    f"{1e3 * width:.2f} expected"
-)
-
-# %% tags=["hide-input"]
-figure, axes = plt.subplots(1, 2, figsize=(8.4, 3.6))
-applied = 1e3 * np.array([row[0] for row in restored])
-fine = np.linspace(-22, 22, 1000)
-saw = 1e3 * within_period(fine / 1e3)
-saw[1:][np.abs(np.diff(saw)) > 5] = np.nan
-axes[0].plot(fine, saw, color=grey, lw=1.2)
-axes[0].plot(
-    applied, [1e3 * row[1] for row in restored], "o", ms=5, color=colour["blue"]
-)
-for label, index, name in (("as it is", 2, "vermillion"), ("calibrated", 3, "blue")):
-    rate = [100 * row[index]["delta_lt_1"] for row in restored]
-    axes[1].plot(applied, rate, "o-", ms=4, lw=1.3, color=colour[name], label=label)
-axes[0].set(xlabel="closure applied (mrad)", ylabel="closure found (mrad)")
-axes[1].set(xlabel="closure applied (mrad)", ylabel="beat, δ < 1 (%)", ylim=(0, None))
-axes[1].legend()
-plotting.label_panels(axes)
-plotting.save(
-    figure,
-    "noise_closure",
-    caption="(a) Closure applied and found on a simulated wall of 384×384 px; line, modulo one "
-    "wrap. (b) The averaged beat in the simulated rooms before and after calibration.",
-    alt="Left, points on a saw-tooth. Right, the rate of the beat over the offset: as it is a "
-    "peak; calibrated a plateau between plus and minus half a wrap with lower ones beside it.",
-)
-
-# %% [markdown]
-# Within half a wrap, ±8.8 mrad, calibration restores the rate without an offset. Beyond, as with
-# the paper's 0.01 rad, every answer is off by the same whole number of wraps. Phases do not
-# separate whole wraps from range, but rays of a camera do: points of a plane whose ranges are all
-# too long by e lie on no plane. For a frontal plane over a square of half angle t the residual of
-# the best plane is
+# The beat of a surface minus the phase within its wrap must be a whole number of wraps. So a smooth
+# surface shows the offset, but not its whole wraps; 0.01 rad on f₁ is more than one. Phases alone
+# cannot separate whole wraps from range. The rays of a camera can: points of a plane whose ranges
+# are all too long by e lie on no plane. For a frontal plane over a square of half angle t the
+# residual of the best plane is
 #
 # $$
 # \mathrm{rms} = \sqrt{2/45}\;\tan^2 t\;e ,
@@ -510,62 +397,88 @@ def noise_of(f, case):
 grid = np.arange(-10e6, 10e6 + 1, step)
 pairs = np.stack(np.meshgrid(low + grid, 2 * (low + grid)))
 maps = {z: enough_pixels(pairs, noise_of(pairs, "equal"), z) for z in (far / 2, far)}
-best = {}
-for case in ("equal", "doubled mode weak"):
-    for size in (2, 3, 4):
-        spacing = step_four if size == 4 else step
-        tones = low + np.arange(-10e6, 10e6 + 1, spacing)
-        tones = np.concatenate([tones, 2 * tones])
-        sets = tones[np.array(list(combinations(range(tones.size), size)))].T
-        sets = sets[:, sets[0] < 1.5 * low]
-        parts = np.array_split(sets, -(-sets.shape[1] // 2000), 1)
-        least = [
-            least_pixels(*distances(part, noise_of(part, case), far)) for part in parts
-        ]
-        least = np.concatenate(least)
-        # a close look at the most promising ones
-        near = sets[:, np.argsort(least)[:64]]
-        found = enough_pixels(near, noise_of(near, case), far)
-        best[case, size] = (tuple(near[:, found.argmin()]), found.min())
-
-# %% tags=["hide-input"]
-theirs = {
-    case: float(enough_pixels(FREQUENCIES, noise_of(FREQUENCIES, case), far))
+tones = np.concatenate([low + grid, 2 * (low + grid)])
+best = {
+    (case, 0): (
+        FREQUENCIES,
+        enough_pixels(FREQUENCIES, noise_of(FREQUENCIES, case), far),
+    )
     for case in ("equal", "doubled mode weak")
 }
-rows = [
-    [case, "the paper's, 7.15 / 14.32", f"{pixels:,.0f}", "", ""]
-    for case, pixels in theirs.items()
-]
-for (case, size), (f, pixels) in best.items():
-    gains = (
-        theirs[case] / pixels / factor for factor in (1, size / 2, (size / 2) ** 2)
-    )
-    cells = " / ".join(f"{gain:.1f}×" for gain in gains)
+for case, size in product(("equal", "doubled mode weak"), (2, 3)):
+    sets = tones[np.array(list(combinations(range(tones.size), size)))].T
+    sets = sets[:, sets[0] < 1.5 * low]
+    parts = np.array_split(sets, -(-sets.shape[1] // 2000), 1)
+    least = [
+        least_pixels(*distances(part, noise_of(part, case), far)) for part in parts
+    ]
+    # a close look at the most promising ones
+    near = sets[:, np.argsort(np.concatenate(least))[:64]]
+    found = enough_pixels(near, noise_of(near, case), far)
+    best[case, size] = (near[:, found.argmin()], found.min())
+
+
+# %% [markdown]
+# To test the theory, depths are drawn at random within 7.49 m. Each gets a noisy phasor at each
+# frequency, as if so many pixels had been averaged, and the most likely of all wraps is taken.
+
+
+# %% tags=["hide-input"]
+def likeliest_wraps(turns, f, noise):
+    """Wraps of the first frequency that fit the phases best, of all within the range."""
+
+    def cost(n):
+        off = turns - (f / f[0])[:, None] * (turns[0] + n)
+        rest = misfit(TAU * (off - np.rint(off)), f[:, None], noise[:, None])
+        return np.where((turns[0] + n) * wrap_length(f[0]) < far, rest, np.inf)
+
+    every = range(int(np.ceil(far / wrap_length(f[0]))))
+    return np.argmin([cost(n) for n in every], axis=0)
+
+
+def drawn_right(f, noise, pooled):
+    """Share of right wraps among drawn depths."""
+    depth = rng.uniform(0, far, draws)
+    across, along = rng.normal(0, noise / np.sqrt(pooled), (2, draws, f.size)).mT
+    noisy = phase_from_depth(depth, f[:, None]) + np.arctan2(across, 1 + along)
+    turns = wrapped(noisy) / TAU
+    true = np.rint(depth / wrap_length(f[0]) - turns[0])
+    return np.mean(likeliest_wraps(turns, f, noise) == true)
+
+
+rng = np.random.default_rng(seed)
+rows = []
+for (case, _), (f, pixels) in best.items():
+    f = np.array(f)
+    fewer = best[case, 0][1] / pixels
     rows.append(
         [
             case,
             " / ".join(f"{x / 1e9:.6g}" for x in f),
             f"{pixels:,.0f}",
-            cells,
-            f"{relative_signal([f[-1]])[0]:.2f}",
+            f"{100 * drawn_right(f, noise_of(f, case), pixels):.1f}",
+            f"{fewer:.1f}×",
+            f"{fewer * (2 / f.size) ** 2:.1f}×",
         ]
     )
-head = [
-    "noise",
-    "frequencies (GHz)",
-    "pixels for 95 %",
-    "fewer: more time / photons / Gaussian",
-    "signal of the highest",
-]
-notes.table(head, rows)
+notes.table(
+    [
+        "noise",
+        "frequencies (GHz)",
+        "pixels for 95 %",
+        "right in draws (%)",
+        "fewer",
+        "in equal time",
+    ],
+    rows,
+)
 
 # %% [markdown]
-# The table has the best sets for the paper's 7.49 m, white pixels and its noise. The gain over the
-# paper's pair is given with more time for more images; in equal time with photon noise (variance
-# times F/2); and in equal time with Gaussian noise of each image ((F/2)²). At equal noise the best
-# three are both ends of the doubled mode and one single tone, which resolves the 10.5 mm wraps. A
-# doubled mode as weak as the instrument's (J₂/J₁)² is not used at all.
+# The first two rows are the paper's pair, the others the best pair and the best three for each
+# noise, with white pixels within 7.49 m. In equal time each of three images has two thirds of the
+# light and the same Gaussian noise, so that the gain is less than half as large. At equal noise the
+# best three are both ends of the doubled mode and one single tone, which resolves the 10.5 mm
+# wraps. A doubled mode as weak as the instrument's (J₂/J₁)² is not used at all.
 
 # %% tags=["hide-input"]
 figure, (ax, right) = plt.subplots(1, 2, figsize=(8.4, 4))
@@ -620,94 +533,6 @@ plotting.save(
 )
 
 # %% [markdown]
-# To test the theory, depths are drawn at random within 7.49 m. Each gets a noisy phasor at each
-# frequency, as if P pixels had been averaged, and the most likely of all wraps is taken.
-
-
-# %% tags=["hide-input"]
-def likeliest_wraps(turns, f, noise):
-    """Wraps of the first frequency that fit the phases best, of all within the range."""
-
-    def cost(n):
-        off = turns - (f / f[0])[:, None] * (turns[0] + n)
-        rest = misfit(TAU * (off - np.rint(off)), f[:, None], noise[:, None])
-        return np.where((turns[0] + n) * wrap_length(f[0]) < far, rest, np.inf)
-
-    every = range(int(np.ceil(far / wrap_length(f[0]))))
-    return np.argmin([cost(n) for n in every], axis=0)
-
-
-def counted(f, noise, pooled, rng):
-    """Share of right wraps among drawn depths, with its 95 % interval."""
-    f = np.asarray(f, float)
-    depth = rng.uniform(0, far, draws)
-    across, along = (
-        rng.normal(size=(2, f.size, draws)) * (noise / np.sqrt(pooled))[:, None]
-    )
-    turns = (
-        wrapped(phase_from_depth(depth, f[:, None]) + np.arctan2(across, 1 + along))
-        / TAU
-    )
-    true = np.rint(depth / wrap_length(f[0]) - turns[0])
-    right = int(np.sum(likeliest_wraps(turns, f, noise) == true))
-    interval = binomtest(right, draws).proportion_ci(method="wilson")
-    return right / draws, interval.low, interval.high
-
-
-sets = {
-    "paper": (FREQUENCIES, "black"),
-    "7.14 / 7.16": ((7.14e9, 7.16e9), "blue"),
-    "7.14 / 7.16 / 14.32": ((7.14e9, 7.16e9, 14.32e9), "orange"),
-    "best three": (best["equal", 3][0], "green"),
-}
-rng = np.random.default_rng(seed)
-pooled = {"equal": np.geomspace(20, 1e4, dots)}
-pooled["doubled mode weak"] = 3 * pooled["equal"]
-odds = {
-    (case, key): np.array([counted(f, noise_of(f, case), p, rng) for p in pooled[case]])
-    for case in pooled
-    for key, (f, _) in sets.items()
-}
-
-# %% tags=["hide-input"]
-figure, axes = plt.subplots(1, 2, figsize=(8.4, 3.9), sharey=True)
-met = 0
-for ax, case in zip(axes, pooled, strict=True):
-    for key, (f, name) in sets.items():
-        d, share = distances(np.asarray(f, float), noise_of(f, case), far)
-        tails = 2 * share * ndtr(-np.sqrt(pooled[case])[:, None] * d / 2)
-        lower = np.maximum(1 - tails.sum(-1), 0)
-        upper = 1 - tails.max(-1)
-        rate, below, above = odds[case, key].T
-        met += int(np.sum((below <= upper) & (above >= lower)))
-        bars = 100 * np.stack([rate - below, above - rate])
-        plotting.sweep(
-            ax,
-            pooled[case],
-            100 * rate,
-            bound=(pooled[case], 100 * upper),
-            errors=bars,
-            color=colour[name],
-            label=key,
-            log="x",
-        )
-    ax.set(xlabel="pixels pooled", title=case, ylim=(0, 103))
-axes[0].set_ylabel("wrap right (%)")
-axes[0].legend(fontsize="small")
-plotting.label_panels(axes)
-plotting.save(
-    figure,
-    "frequencies_odds",
-    caption="Odds of the right wrap within 7.49 m against the number of white pixels pooled. "
-    "Lines, bounds by theory; dots, counted in simulated draws, with 95 % intervals.",
-    alt="Two panels of rising curves with dots on them. Left, the best three frequencies come "
-    "first; right, with the doubled mode weak, the single tones lead.",
-)
-print(
-    f"{met} of {sum(len(o) for o in odds.values())} counted intervals meet the bounds"
-)
-
-# %% [markdown]
 # The doubled mode has 2 % of the single mode's signal at η = 0.26, and 19 % at π/4. So sets that
 # rely on it fail. No set of frequencies makes one pixel suffice.
 
@@ -742,5 +567,5 @@ notes.answer(
     low=100 * lost[1, lost[0].argmax()],
     high=100 * lost[2, lost[0].argmax()],
     pixels=best["equal", 3][1],
-    theirs=theirs["equal"],
+    theirs=float(best["equal", 0][1]),
 )
