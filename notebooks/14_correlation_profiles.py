@@ -11,7 +11,6 @@
 profile: str = "book"  # size profile
 seed: int = 0  # of noise, drift and errors of the drivers
 bursts: int = 48  # sweeps of the reference phase averaged in Paper Fig. 12
-settings: int = 48  # phases programmed into the emission's driver
 reflectance: float = 6e-6  # of the mirror behind its grey filter
 rig: str = ""  # RIG file of an instrument before such a mirror; empty: simulated
 
@@ -22,7 +21,7 @@ from itertools import count
 import matplotlib.pyplot as plt
 import numpy as np
 
-from cmtof.correlation import TAU, centred, correlation_from_harmonics, decode
+from cmtof.correlation import TAU, correlation_from_harmonics, decode
 from cmtof.hardware.bench import VOLTS_RANGE
 from cmtof.hardware.plan import BURST_INTERVAL
 from cmtof.hardware.reduction import Gain, drive_phases, nominal_psi
@@ -75,16 +74,14 @@ def sweep(on):
 
 
 # %% [markdown]
-# The detection's driver has a table of 64 phases instead of a scan's 16. After the sweeps the
-# emission's driver is set to one phase after another, for the linearity test below. The laser's
-# power is read with each sweep. With a RIG file in `rig` the instrument itself does all this; only
-# the sweep with the captures' noise stays simulated.
+# The detection's driver has a table of 64 phases instead of a scan's 16. The laser's power is read
+# with each sweep. With a RIG file in `rig` the instrument itself does all this; only the sweep with
+# the captures' noise stays simulated.
 
 # %% tags=["hide-input"]
 taken = {}
 dark = {}
 power = {}
-programmed = {}
 rough = {}
 reading = replace(base, phases=PHASES)
 with opened(rig, reading, mirror, known, seed=seed) as bench:
@@ -97,10 +94,8 @@ with opened(rig, reading, mirror, known, seed=seed) as bench:
         sweep(bench)  # sets the clock; its laser power is the first
         power[mode] = [bench.power_meter.power]
         taken[mode] = []
-        programmed[mode] = []
-        steps = TAU * np.arange(settings) / settings / ORDER[mode]
-        for step in [0.0] * bursts + steps.tolist():
-            programmed[mode].append(bench.rf_emission.set_phase(step))
+        bench.rf_emission.set_phase(0.0)
+        for _ in range(bursts):
             taken[mode].append(sweep(bench))
             power[mode].append(bench.power_meter.power)
     bench.check()
@@ -120,15 +115,12 @@ place = (
     (np.arange(PHASES) + 0.5) / PHASES * burst_time + between - burst_time
 ) / between
 profiles = {}
-moved = {}
 fits = {}
 for mode in ORDER:
     meter = np.array(power[mode])
     # the laser drifts in a line
     light = meter[:-1, None] + np.diff(meter)[:, None] * place
-    level = (np.array(taken[mode]) - dark[mode]) * meter.mean() / light
-    profiles[mode] = level[:bursts]
-    moved[mode] = level[bursts:]
+    profiles[mode] = (np.array(taken[mode]) - dark[mode]) * meter.mean() / light
     fits[mode] = decode(profiles[mode].mean(axis=0), psi)
 
 # %% [markdown]
@@ -155,29 +147,24 @@ def expected_noise(volts, samples):
     return np.sqrt(density(known, volts) * (weight @ lags) + converter)
 
 
-def expected(mode, phase, steps, emitted=0.0):
-    """Correlation with all harmonics, and the drivers' errors that are no noise."""
+def expected(mode, phase):
+    """Correlation with all harmonics, and the driver's errors that are no noise."""
     w = HARMONICS[mode](known.eta, 16)[:: ORDER[mode]]
-    emitted = np.asarray(emitted)
-    drives = drive_phases(PHASES, mode)[steps]
-    error = known.iq_imbalance * np.subtract.outer(
-        np.sin(2 * emitted), np.sin(2 * drives)
-    )
-    shift = np.add.outer(ORDER[mode] * emitted, psi[steps]) + ORDER[mode] * error
+    error = known.iq_imbalance * np.sin(2 * drive_phases(PHASES, mode))
+    shift = psi - ORDER[mode] * error
     return correlation_from_harmonics(w, w, phase=phase, psi=shift)
 
 
 # %% tags=["hide-input"]
 kept = reading.samples_per_phase - reading.settle_samples
-every = np.arange(PHASES)
 left = {}
 model = {}
 noise = {}
 code = {}
 for mode, fit in fits.items():
     mean = profiles[mode].mean(axis=0)
-    first = decode(expected(mode, fit.phase, every), psi).phase - fit.phase
-    ideal = expected(mode, fit.phase - first, every)
+    first = decode(expected(mode, fit.phase), psi).phase - fit.phase
+    ideal = expected(mode, fit.phase - first)
     own = decode(ideal, psi)
     bent = ideal - own.offset - own.amplitude * np.cos(own.phase + psi)
     left[mode] = mean - fit.offset - fit.amplitude * np.cos(fit.phase + psi)
@@ -315,69 +302,6 @@ plotting.save(
 # Ideal modules would have contrasts of $2J_1^2$ and $2J_2^2/(1-J_0)^2$; leakage of the splitters
 # reduces them. The residuals agree with the predicted harmonics, and beyond these with noise and
 # code errors. Rounding to the 14 bits of [Eq. 14.1](#eq-14.1) would be negligible.
-#
-# ## Linearity with four and sixteen steps
-#
-# The correlation should shift by the programmed phase of the emission. Every sixteenth phase of a
-# sweep, or every fourth, gives a measurement of 4 or 16 steps. With four, the third harmonic
-# aliases onto the fundamental: an error of four periods a turn with the amplitude $(J_3/J_1)^2$ in
-# the single mode, and a negligible $(J_6/J_2)^2$ in the doubled one. With sixteen the drivers'
-# errors remain.
-
-# %% tags=["hide-input"]
-errors = {}
-curves = {}
-fine = np.linspace(0, TAU, 241)
-for mode in ORDER:
-    wanted = ORDER[mode] * np.array(programmed[mode][bursts:])
-    for number in (4, 16):
-        steps = every[:: PHASES // number]
-        curve = expected(mode, fits[mode].phase, steps, emitted=fine / ORDER[mode])
-        for held, seen, at in (
-            (errors, moved[mode][:, steps], wanted),
-            (curves, curve, fine),
-        ):
-            off = decode(seen.T, psi[steps]).phase - at
-            held[mode, number] = 1e3 * centred(off - np.angle(np.exp(1j * off).mean()))
-rms = {key: np.sqrt(np.mean(value**2)) for key, value in errors.items()}
-print(
-    "\n".join(
-        f"{mode}, {n} steps: {value:.2f} mrad rms" for (mode, n), value in rms.items()
-    )
-)
-
-# %% tags=["hide-input"]
-figure, axes = plt.subplots(1, 2, figsize=(8.4, 3.6))
-for ax, mode in zip(axes, ORDER, strict=True):
-    for number, colour, marker in ((4, "C4", "s"), (16, COLOURS[mode], "o")):
-        ax.plot(fine, curves[mode, number], color=colour, lw=1.4)
-        ax.plot(
-            fine[-1] * np.arange(settings) / settings,
-            errors[mode, number],
-            marker,
-            ms=4.5,
-            color=colour,
-            label=f"{number} steps",
-        )
-    ax.set(
-        title=f"{mode} mode",
-        xlabel="set phase (rad)",
-        ylabel="error (mrad)",
-        ymargin=0.2,
-    )
-    ax.legend(loc="upper right", ncols=2, fontsize="small")
-plotting.label_panels(axes)
-plotting.save(
-    figure,
-    "instrument_linearity",
-    caption=(
-        "Decoded minus programmed phase, mean removed, with 4 and with 16 steps of the reference, "
-        "at the photon limit; dots: simulated, one sweep each; lines: expected without noise. The "
-        "scales differ."
-    ),
-    alt="Two panels: in the single mode four steps have an error of four periods a turn, sixteen "
-    "hardly any; in the doubled mode both scatter by the noise of a sweep.",
-)
 
 # %% tags=["hide-input"]
 paper.check("fig12.psi_range", PHASES * (psi[1] - psi[0]))

@@ -15,14 +15,9 @@ field_of_view_deg: float = 10.0  # optical angle across and down
 size: int = 48  # height and width of the image, px
 repeats: int = 6  # scans averaged in the comparison of methods
 window: int = 7  # of the small window, px
-killed_size: int = 6  # image of the scan that is killed, px
 
 # %% tags=["hide-input"]
-import signal
-import subprocess
-import sys
 import tempfile
-import time
 from dataclasses import replace
 from pathlib import Path
 
@@ -32,7 +27,6 @@ import numpy as np
 import cmtof
 from cmtof.constants import SPEED_OF_LIGHT
 from cmtof.correlation import TAU, centred, decode, phase_from_depth, wrap_length
-from cmtof.hardware.journal import journal_path, whole_lines
 from cmtof.hardware.plan import MODES, planned
 from cmtof.hardware.rig import Rig
 from cmtof.hardware.scan import scan
@@ -43,8 +37,6 @@ from cmtof_lab.rehearsal import scan_scene, simulated_bench
 from cmtof_lab.settings import TwinSettings
 
 plotting.begin(profile=profile, seed=seed)
-folder = tempfile.TemporaryDirectory(prefix="cmtof-scan-")
-here = Path(folder.name)
 
 
 def typical(error):
@@ -62,7 +54,9 @@ def typical(error):
 # %%
 rig = replace(Rig.default(), field_of_view_deg=(field_of_view_deg, field_of_view_deg))
 plan = planned(rig, size=size)
-measurement = scan(plan, lambda: simulated_bench(rig, scene, seed=seed), here / "m.nc")
+with tempfile.TemporaryDirectory() as folder:
+    file = Path(folder, "m.nc")
+    measurement = scan(plan, lambda: simulated_bench(rig, scene, seed=seed), file)
 data = measurement.dataset
 given = TwinSettings()
 print(measurement, f"{plan.lines[-1].labels[-1]} bursts in {len(plan.lines)} lines")
@@ -369,43 +363,9 @@ plotting.save(
 # points neighbours often lie more than half a wrap apart, so a scan for depth needs dense points
 # and a small spot.
 #
-# ## Resuming a killed scan
-#
-# A scan from the command line is killed by `SIGKILL` once half of its lines are recorded. On a
-# bench the RF drivers' dead man's timers would then turn RF off, and the read-out's watchdog close
-# the shutter. With `--resume` the file equals that of an uninterrupted scan, byte for byte.
-
-# %% tags=["hide-input"]
-options = [
-    "--twin",
-    "--scene",
-    scene,
-    "--size",
-    str(killed_size),
-    "--seed",
-    str(seed),
-    "--quiet",
-]
-command = [sys.executable, "-m", "cmtof.cli", "scan", *options, "-o"]
-killed = here / "k.nc"
-whole = here / "whole.nc"
-half = len(planned(Rig.default(), size=killed_size).lines) // 2
-victim = subprocess.Popen([*command, killed])
-while victim.poll() is None and not (
-    journal_path(killed).exists() and len(whole_lines(journal_path(killed))) > half
-):
-    time.sleep(0.005)
-victim.send_signal(signal.SIGKILL)
-victim.wait()
-subprocess.run([*command, killed, "--resume"], check=True, capture_output=True)
-subprocess.run([*command, whole], check=True, capture_output=True)
-print(
-    "killed:",
-    victim.returncode == -signal.SIGKILL,
-    "- identical:",
-    killed.read_bytes() == whole.read_bytes(),
-)
-folder.cleanup()
+# Every line of a scan is recorded in a journal. A scan that is killed goes on from there with
+# `--resume`, and ends with the file of an uninterrupted one, byte for byte (the tests kill scans at
+# random moments).
 
 # %% [markdown]
 # ## Answer
