@@ -461,61 +461,12 @@ plotting.save(
 # %% [markdown]
 # ## Agreement and disagreement
 #
-# Each number of a map: **as captured** / simulated with white noise / with lines. A simulation that
-# is off by more than four standard deviations of its draws is marked ≠.
-
-# %% tags=["hide-input"]
-
-
-def described(phase, r, where):
-    """What is compared, of a phase map, its residual and the mask."""
-    down = where[:-1] & where[1:]
-    across = where[:, :-1] & where[:, 1:]
-    around = noise.local_phase_noise(phase, window=fit_window)[where]
-    limit = 3.5 * 1.4826 * np.median(np.abs(r[where]))
-    return {
-        f"rms about {window}×{window} fits (rad)": r[where].std(),
-        "correlation with the pixel below": np.corrcoef(r[:-1][down], r[1:][down])[
-            0, 1
-        ],
-        "correlation with the pixel beside": np.corrcoef(
-            r[:, :-1][across], r[:, 1:][across]
-        )[0, 1],
-        f"noise of a typical {fit_window}×{fit_window} window (rad)": np.median(around),
-        "outliers on the wall, beyond 3.5 σ (%)": 100
-        * np.mean(np.abs(r[where]) > limit),
-        "the same, whole map (%)": 100 * np.mean(np.abs(r[np.isfinite(r)]) > limit),
-    }
-
-
-table = {}
-for n in names:
-    seen = described(phases[n], residual[n], inside[n])
-    for label, value in seen.items():
-        table.setdefault(label, []).append(f"**{value:.3g}**")
-    for kind, maps in (("white", simulated), ("lines", with_lines)):
-        each = [
-            described(p, r, inside[n])
-            for p, r in zip(maps[n], left[kind][n], strict=True)
-        ]
-        for label, value in seen.items():
-            values = np.array([one[label] for one in each])
-            off = abs(value - values.mean()) > 4 * values.std(ddof=1)
-            table[label][-1] += " / " + int(off) * "≠\u00a0" + f"{values.mean():.3g}"
-notes.table(
-    [f"**{source}** / white / lines", *names], [[k, *v] for k, v in table.items()]
-)
-
-# %% [markdown]
 # **Reproduced**: the size of the noise, by a choice of σ. **Not reproduced**: its grain. The
 # simulator's pixels are independent. Where neighbours or columns of a scan share their noise,
 # averages over a surface improve more slowly than in the simulation.
 #
-# **Edges.** Over the whole map more residuals lie beyond 3.5 σ than on the wall. Possible causes
-# are surfaces that no quadratic fits, fine relief, dark paint, or a beam of finite width across two
-# depths. The data do not separate these causes. **Not settled**: the amplitude over the scene is
-# unknown, so noise is compared with that of uniform brightness. One map of each scene does not show
-# changes between scans.
+# **Not settled**: the amplitude over the scene is unknown, so noise is compared with that of
+# uniform brightness. One map of each scene does not show changes between scans.
 
 # %% [markdown]
 # ## Answer

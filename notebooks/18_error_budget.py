@@ -12,7 +12,6 @@ profile: str = "book"  # size profile
 seed: int = 0  # of days, noise, drift and errors of the drivers
 days: int = 14  # days of each simulated term
 days_together: int = 60  # days of the whole
-wrap_points: int = 64  # positions over a wrap in the cyclic figure
 
 # %% tags=["hide-input"]
 import json
@@ -23,7 +22,7 @@ import matplotlib.pyplot as plt
 import numpy as np
 from scipy.special import jv
 
-from cmtof.correlation import TAU, depth_from_phase, phase_from_depth, wrap_length
+from cmtof.correlation import depth_from_phase, phase_from_depth
 from cmtof_book import live, notes, paper, plotting
 from cmtof_book.compared import closed_form
 from cmtof_lab.budget import (
@@ -31,7 +30,6 @@ from cmtof_lab.budget import (
     back_ratio,
     budget_terms,
     noise_terms,
-    only,
     phase_terms,
     simulated,
 )
@@ -141,73 +139,16 @@ notes.table(["µm", "rms", "offset", "scatter", "bound", "MAE/RMSE"], rows)
 # two vanish, but leakage between the drives and misaligned plates do not average out there, because
 # its table of phases spans only half a turn of the drive.
 
-
-# %% tags=["hide-input"]
-def correlation_phase(settings, ranges):
-    """Phase of the single mode's correlation, rad, inner path and cable included."""
-    index = settings.group_index
-    way = index * np.asarray(ranges) + settings.internal_path
-    return phase_from_depth(way, FREQUENCY["single"]) - settings.phase_offset
-
-
+# %%
 ratio = back_ratio(known, target)
-eta = known.eta
 excess = known.group_index - 1
-third = (jv(3, 2 * eta) / jv(1, 2 * eta)) ** 2
-length = wrap_length(FREQUENCY["single"])
-travel = length * (np.arange(wrap_points) / wrap_points - 0.5)
-ideal = TwinSettings.ideal()
-# turns, of a sweep's day
-path, back, cable, _ = np.random.default_rng((seed, 0)).uniform(0, 1, 4)
-phi = correlation_phase(ideal, target.distance + travel) + TAU * (path - cable)
-stray = correlation_phase(ideal, ideal.back_range) + TAU * (path - cable - back)
-print(
-    f"air adds {1e6 * excess * target.distance:.0f} µm to 60 cm,\n"
-    f"four steps: {1e6 * depth_from_phase(third / 2**0.5, FREQUENCY['single']):.0f} µm rms"
-)
-cases = {
-    "back": (
-        only("back_fraction"),
-        np.angle(1 + ratio * np.exp(1j * (stray - phi))),
-        {},
-    ),
-    "imbalance": (only("iq_imbalance"), known.iq_imbalance / 2 * np.sin(2 * phi), {}),
-    "four": (ideal, -third * np.sin(4 * phi), {"phases": 4, "samples": 80}),
-}
-
-# %% tags=["hide-input"]
-figure, axes = plt.subplots(1, 3, figsize=(8.4, 3.2))
-titles = ("back-reflection", "I/Q imbalance", "harmonics, 4 steps")
-for ax, title, (settings, curve, lab) in zip(axes, titles, cases.values(), strict=True):
-    ranger = OpticalRanger(settings, stage_error=0.0, air_change=(0.0, 0.0), **lab)
-    error = (
-        ranger.sweep(target, travel, repeats=1, seed=seed)[0] - target.distance - travel
-    )
-    error = error - error.mean()
-    curve = depth_from_phase(curve - curve.mean(), FREQUENCY["single"])
-    ax.axvspan(-0.5, 0.5, color="C7", alpha=0.35, lw=0)
-    ax.plot(1e3 * travel, 1e6 * curve, color=MODES["single"])
-    ax.plot(1e3 * travel, 1e6 * error, "o", ms=3, color="black", mfc="none")
-    ax.set(title=title, xlabel="position (mm)")
-axes[0].set_ylabel("error (µm)")
-plotting.label_panels(axes)
-plotting.save(
-    figure,
-    "budget_cyclic",
-    caption=(
-        "Cyclic errors over one wrap, each alone, single mode: circles simulated without noise, "
-        "lines closed form. Yellow: the sweep of 1 mm. The scales differ; the scatter is the "
-        "converter's rounding."
-    ),
-    alt=(
-        "Three panels of error against position. Circles lie on one, two and four sines a wrap. In "
-        "a narrow band of 1 mm in the middle each curve is nearly a straight line."
-    ),
-)
+third = (jv(3, 2 * known.eta) / jv(1, 2 * known.eta)) ** 2
+four = depth_from_phase(third / 2**0.5, FREQUENCY["single"])
+print(f"harmonics with four steps: {1e6 * four:.0f} µm rms")
 
 # %% [markdown]
-# An error that depends on the phase alone is nearly constant over the yellow band of a millimetre,
-# with MAE/RMSE near 1 as in Table 4. Four steps would give errors of the right size; but the paper
+# An error that depends on the phase alone is nearly constant over the millimetre of the sweep, with
+# MAE/RMSE near 1 as in Table 4. Four steps would give errors of the right size; but the paper
 # states sixteen, which do not alias.
 #
 # ## Uncertainty at a distance
