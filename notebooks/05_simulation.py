@@ -330,33 +330,6 @@ notes.table(
 )
 
 
-# %% tags=["hide-input"]
-def signed_maps(pictures, titles, end):
-    """Images on one scale from -end to end."""
-    figure, axes = plotting.grid(len(pictures), 3, height / width)
-    for ax, picture, title in zip(axes, pictures, titles, strict=True):
-        look = {"cmap": "RdBu_r", "limits": (-end, end), "bar": False}
-        plotting.image(ax, picture, label="", title=title, **look)
-    figure.colorbar(axes[0].images[0], ax=axes, shrink=0.6)
-    return figure, axes
-
-
-stacks = [fourier_features(held.phase[0], order)[::4] for held in (exact, measured)]
-titles = [f"cos {m}" for m in multiples] + [
-    f"noisy: {100 * k:.0f} % left" for k in remains
-]
-figure, axes = signed_maps([*stacks[0], *stacks[1]], titles[::2], 1)
-plotting.save(
-    figure,
-    "inputs_features",
-    caption=f"Every second cosine of the Fourier features of `{frame_name}` at 7.15 GHz, "
-    "simulated, without noise (above) and at the paper's noise (below), with the share of each "
-    "cosine left on average over the scored pixels.",
-    alt="Two rows of three images with ever more fringes from left to right. Above they stay "
-    "crisp; below they disappear in grain.",
-    format="png",
-)
-
 # %% [markdown]
 # The last octaves are noise. The features of one phase repeat with every wrap, so the wrap count
 # follows only from *both* frequencies.
@@ -394,7 +367,12 @@ titles = [
     *(f"wrapped, {name}" for name in names),
     "wrapped, left, noisy",
 ]
-figure, axes = signed_maps([naive, *edges, noisy_edges[0]], titles, np.pi)
+figure, axes = plotting.grid(len(titles), 3, height / width)
+pictures = [naive, *edges, noisy_edges[0]]
+for ax, picture, title in zip(axes, pictures, titles, strict=True):
+    look = {"cmap": "RdBu_r", "limits": (-np.pi, np.pi), "bar": False}
+    plotting.image(ax, picture, label="", title=title, **look)
+figure.colorbar(axes[0].images[0], ax=axes, shrink=0.6)
 plotting.label_panels(axes)
 plotting.save(
     figure,

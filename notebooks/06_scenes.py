@@ -69,26 +69,6 @@ plotting.save(
 # writes such sets to disk in Hypersim's own layout; the same seed gives the same bytes. Range is
 # exact to single precision.
 
-# %% tags=["hide-input"]
-one = max(shown, key=lambda view: np.unique(view.picture.instance).size)
-exact = one.picture.depth
-numbers = (one.picture.instance * 37) % 61
-objects = np.where(one.picture.instance < 0, np.nan, numbers)
-figure, axes = plotting.grid(3, 3, height / width)
-plotting.image(
-    axes[0], tone_mapped(one.picture.color), label="", title="colour", bar=False
-)
-plotting.image(axes[1], exact, label="range (m)", title="range along the ray")
-plotting.image(axes[2], objects, label="", title="objects", cmap="tab20", bar=False)
-plotting.label_panels(axes)
-plotting.save(
-    figure,
-    "scenes_layers",
-    format="png",
-    caption="Data of each rendered view: linear colour, range, and the object in each pixel.",
-    alt="Three panels of one view: the tone-mapped picture, its range, and its objects as colours.",
-)
-
 # %% [markdown]
 # ## Beside Hypersim
 #
@@ -187,6 +167,7 @@ for z, step in zip(distance, steps, strict=True):
     print(
         f"at {z:.1f} m: steps of {1e3 * step:.2f} mm, {turns[0]:.2f} and {turns[1]:.2f} rad"
     )
+exact = shown[0].picture.depth
 off = exact.astype(np.float16).astype(float) - exact
 flat = ~bends(exact) & np.isfinite(exact)
 rms = np.sqrt(np.mean(phase_from_depth(off[flat], FREQUENCY_SINGLE) ** 2))

@@ -16,7 +16,6 @@ seed: int = 0  # of the simulated noise
 fit_window: int = 5  # side of local fits and averages, px
 window: int = 9  # side of the local fits whose residual is studied, px
 draws: int = 16  # simulated maps of each capture and kind of noise
-stills: int = 3  # captures drawn in three dimensions
 
 # %% tags=["hide-input"]
 import matplotlib.pyplot as plt
@@ -37,9 +36,8 @@ from cmtof.correlation import (
     wrap_length,
     wrapped,
 )
-from cmtof.pointcloud import points_from_depth
 from cmtof.scenes import Frame, load_frame
-from cmtof_book import notes, plotting, views
+from cmtof_book import notes, plotting
 
 plotting.begin(profile=profile, seed=seed)
 colours = tuple(plotting.PALETTE.values())
@@ -78,12 +76,12 @@ phases, references = (
 
 # %% [markdown]
 # The range to a flat wall depends on the angle of the ray. So a fit of a plane and a focal length
-# to the farthest points gives a mask of the wall, and a camera.
+# to the farthest points gives a mask of the wall.
 
 
 # %% tags=["hide-input"]
 def wall_of(depth):
-    """Pixels within 1 cm of the flat wall behind everything, and the camera that its bend gives."""
+    """Pixels within 1 cm of the flat wall behind everything, which a camera's rays see bent."""
     height, width = depth.shape
     y, x = np.mgrid[:height, :width] + 0.5
     u = (x - width / 2) / width
@@ -103,10 +101,7 @@ def wall_of(depth):
         q = optimize.least_squares(
             lambda q, w=weight: (w * (depth - model(q))).ravel(), q
         ).x
-    focal = width / abs(q[0])
-    return np.abs(depth - model(q)) < 0.01, np.array(
-        [focal, focal, width / 2, height / 2]
-    )
+    return np.abs(depth - model(q)) < 0.01
 
 
 walls = {name: wall_of(references[name]) for name in names}
@@ -114,7 +109,7 @@ residual = {name: noise.local_residual(phases[name], window=window) for name in 
 # no fit to an averaged map sees an object
 margin = np.ones((window + fit_window - 1,) * 2)
 inside = {
-    name: ndimage.binary_erosion(walls[name][0], margin) & np.isfinite(residual[name])
+    name: ndimage.binary_erosion(walls[name], margin) & np.isfinite(residual[name])
     for name in names
 }
 
@@ -301,7 +296,7 @@ depths = {}
 for name in names:
     phase = smooth[name].phase
     clear = smooth[name].coherence > 0.8
-    wall = walls[name][0]
+    wall = walls[name]
     parts = [pinned(phase, clear & side, references[name]) for side in (wall, ~wall)]
     total = np.where(np.isfinite(parts[0]), *parts)
     depths[name] = depth_from_phase(total, FREQUENCY_SINGLE)
@@ -319,7 +314,7 @@ for name in names:
     vector = np.exp(1j * error[where]).mean()
     offset = 1e3 * depth_from_phase(np.angle(vector), FREQUENCY_SINGLE)
     turns = (depths[name] - references[name]) / WRAP
-    objects = turns[~walls[name][0] & np.isfinite(turns)]
+    objects = turns[~walls[name] & np.isfinite(turns)]
     low, high = np.percentile(objects, [5, 95])
     rows.append(
         [name, f"{abs(vector):.3f}", f"{offset:.2f}", f"{low:.1f} to {high:.1f}"]
@@ -353,30 +348,6 @@ plotting.save(
 # measured phase moves from scan to scan by a millimetre or two: the instrument drifts. On the
 # objects the reference errs by about a whole wrap within one smooth surface, so it cannot serve as
 # ground truth.
-
-# %% tags=["hide-input"]
-drawn = min(count, stills)
-figure, axes = plt.subplots(1, drawn, figsize=(8.4, 9 / drawn), squeeze=False)
-for ax, name in zip(axes[0], names, strict=False):
-    points = points_from_depth(depths[name], walls[name][1])
-    ends = tuple(np.nanpercentile(depths[name], [1, 99]))
-    layer = views.Layer(points, depths[name], "cividis_r", ends, "range (m)")
-    still = views.still(layer, longest=0.015, eye=(-0.12, -0.1, -0.02))
-    ax.imshow(layer.colours() if still is None else still, interpolation="antialiased")
-    ax.set_title(f"{name}, {source}")
-    ax.axis("off")
-plotting.save(
-    figure,
-    "capture_surface",
-    numbers={
-        "source": source,
-    },
-    caption=f"The recovered surface ({source}): phase at 7.15 GHz averaged and unwrapped with "
-    "whole wraps from the reference depth, in space by the fitted camera. Yellow is near; holes "
-    "have no coherent average.",
-    alt="Shaded three-dimensional still of the scanned object standing out from a smooth wall.",
-    format="png",
-)
 
 # %% [markdown]
 # ## The grain of the noise

@@ -186,10 +186,6 @@ steps = {
     for mode, one in here.items()
 }
 rows = [
-    [n, *(f"{10 * np.log10(steps[m][n]):.1f} dB" for m in COLOURS)]
-    for n in steps["single"]
-]
-rows += [
     ["On the detector", *(quantity_text(one["light"], "W") for one in here.values())],
     [
         "Photons in a point",
