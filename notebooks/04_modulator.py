@@ -281,11 +281,6 @@ print(
 # η/2 and depends on the drive ([erratum 9](22_errata.ipynb#erratum-9)).
 
 # %%
-lowest = sp.series((1 - sp.cos(2 * eta_s * sp.sin(theta))) / 2, eta_s, 0, 4).removeO()
-print(
-    "lowest order over Eq. 19:",
-    sp.simplify(lowest / (eta_s**2 * sp.sin(theta) ** 2 / 2)),
-)
 ratio = jv(2, 2 * eta) / jv(1, 2 * eta)
 x = sp.symbols("x", positive=True)
 quarter_at = sp.nsolve(sp.besselj(2, 2 * x) / sp.besselj(1, 2 * x) - 0.25, x, 0.5)

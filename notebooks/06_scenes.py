@@ -18,7 +18,6 @@ width: int = 384
 focal: float = 443.4  # px: that of the path-traced frames, seen at every second pixel
 
 # %% tags=["hide-input"]
-import matplotlib.pyplot as plt
 import numpy as np
 
 from cmtof.captures import data_root
@@ -131,27 +130,6 @@ rows = [
 ]
 notes.table(["median", *medians], rows)
 print(f"{steep:.1%} of neighbours in rooms differ by more than half a wrap")
-
-# %% tags=["hide-input"]
-figure, axes = plt.subplots(1, 3, figsize=(8.4, 3.4), sharey=True)
-ranges = (1e-3, 10), (0.19, 500), (1, 1e5)
-for i, (ax, label, limits) in enumerate(zip(axes, labels, ranges, strict=True)):
-    for (name, parts), style in zip(samples.items(), ("-", "--"), strict=False):
-        ordered = np.sort(parts[i])[:: max(len(parts[i]) // 2000, 1)]
-        ax.plot(ordered, np.linspace(0, 1, len(ordered)), style, label=name)
-    ax.set(xscale="log", xlabel=label, xlim=limits, ylim=(0, 1))
-plotting.mark(axes[0], x=0.5, text="half a wrap")
-axes[0].set_ylabel("share of pixels at or below")
-if files:
-    axes[2].legend()
-plotting.label_panels(axes)
-plotting.save(
-    figure,
-    "scenes_hardness",
-    caption="Slope, jumps and size of surfaces in the rendered rooms, over all pixels, in wraps of "
-    "7.15 GHz (20.96 mm). Beyond half a wrap a pixel the sign of the slope is ambiguous.",
-    alt="Three cumulative curves on logarithmic axes: slope, jump, and size of surfaces.",
-)
 
 # %% [markdown]
 # ## Half precision

@@ -193,13 +193,8 @@ plotting.save(
 # Information adds up over a surface: n pixels of phase noise σ equal one of σ/√n. The scene alone
 # thus predicts how much of it can be unwrapped: the odds of every surface, weighted by its pixels.
 
+
 # %% tags=["hide-input"]
-for light in (1.0, 0.1):
-    noise = bounds.simulated_phase_noise(light)
-    pixels = bounds.pixels_needed(noise, noise, frequencies=FREQUENCIES)
-    print(f"brightness {light:g}: {pixels} pixels for odds of 95 %")
-
-
 def predicted(frame, measurement, number):
     """Sums of odds for phasors that are added up alike, and with the best weights."""
     light = np.where(

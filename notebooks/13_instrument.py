@@ -269,36 +269,32 @@ curves = {
 }
 
 # %% tags=["hide-input"]
-figure, axes = plt.subplots(1, 3, figsize=(8.4, 4.0))
+figure, (left, right) = plt.subplots(1, 2, figsize=(8.4, 4.0))
 for (mode, rho), found in curves.items():
-    look = {"color": COLOURS[mode], "ls": "-" if rho == reflectance else "--"}
     good = [(1 + one["contrast"]) * one["volts"] <= twin.saturation for one in found]
-    for ax, name, factor in (
-        (axes[0], "photons", 1.0),
-        (axes[2], "phase_noise", micron[mode]),
-    ):
-        values = factor * np.array([one[name] for one in found])
-        ax.plot(
-            ranges, np.where(good, values, np.nan), label=f"{mode}, ϱ = {rho:g}", **look
-        )
-for ax, title in (
-    (axes[0], "photons in 16 phases"),
-    (axes[2], "noise of the range (µm)"),
-):
-    ax.set(xscale="log", yscale="log", xlabel="range (m)", ylabel=title, xlim=(0.2, 8))
-    ax.set_xticks([0.3, 1, 3], ["0.3", "1", "3"])
-    ax.tick_params(axis="x", which="minor", labelbottom=False)
-axes[0].legend(fontsize=8.5)
+    values = micron[mode] * np.array([one["phase_noise"] for one in found])
+    right.plot(
+        ranges,
+        np.where(good, values, np.nan),
+        color=COLOURS[mode],
+        ls="-" if rho == reflectance else "--",
+        label=f"{mode}, ϱ = {rho:g}",
+    )
+right.set(xscale="log", yscale="log", xlim=(0.2, 8))
+right.set(xlabel="range (m)", ylabel="noise of the range (µm)")
+right.set_xticks([0.3, 1, 3], ["0.3", "1", "3"])
+right.tick_params(axis="x", which="minor", labelbottom=False)
+right.legend()
 for values, name, style in (
     (shot, "shot noise", "-"),
     (0 * shot + amplifier, "amplifier", "-."),
     (0 * shot + converter, "converter", "--"),
     (0 * shot + quantum, "rounding to 14 bit", ":"),
 ):
-    axes[1].loglog(1e3 * output, 1e6 * values, style, label=name)
-axes[1].set(xlabel="output of the detector (mV)", ylabel="noise of one phase (µV)")
-axes[1].legend(fontsize=8.5)
-plotting.label_panels(axes)
+    left.loglog(1e3 * output, 1e6 * values, style, label=name)
+left.set(xlabel="output of the detector (mV)", ylabel="noise of one phase (µV)")
+left.legend()
+plotting.label_panels([left, right])
 crossing = [
     np.interp(-even, [-one["volts"] for one in curves[m, reflectance]], ranges)
     for m in COLOURS
@@ -316,13 +312,12 @@ plotting.save(
         "noise_volts": closed_form([amplifier, converter, quantum]),
     },
     caption=(
-        "(a) Photons in a point of 16 phases. (b) Noise of one phase against the detector's "
-        "output. (c) Noise of the range at this photon limit; the second noise case, that of the "
-        "published captures, is 390 µm at 7.15 GHz, whatever the light. Simulated; curves end "
-        "where the detector saturates."
+        "(a) Noise of one phase against the detector's output. (b) Noise of the range at this "
+        "photon limit; the second noise case, that of the published captures, is 390 µm at 7.15 "
+        "GHz, whatever the light. Simulated; curves end where the detector saturates."
     ),
-    alt="Three double logarithmic panels: photons fall with the square of the range; shot noise "
-    "crosses the amplifier's; the noise of the range grows, more in the doubled mode.",
+    alt="Two double logarithmic panels: shot noise crosses the amplifier's; the noise of the range "
+    "grows, more in the doubled mode.",
 )
 for mode, one in here.items():
     print(f"{mode}: {micron[mode] * one['phase_noise']:.1f} µm at {distance:g} m")

@@ -14,7 +14,6 @@ scene: str = "still_life"  # embedded frame before it
 field_of_view_deg: float = 10.0  # optical angle across and down
 size: int = 48  # height and width of the image, px
 repeats: int = 6  # scans averaged in the comparison of methods
-window: int = 7  # of the small window, px
 
 # %% tags=["hide-input"]
 import tempfile
@@ -279,8 +278,7 @@ plotting.save(
 # wraps, and in brackets the share of those that are off by two at most.
 
 # %% tags=["hide-input"]
-METHODS = {name: (name, {}) for name in ("crt-ml", "beat", "region", "mrf", "surfaces")}
-METHODS["beat, small window"] = ("beat", {"window": window})
+METHODS = ("crt-ml", "beat", "region", "mrf", "surfaces")
 
 
 def as_measurement(correlation):
@@ -305,10 +303,9 @@ variants = {
     ),
 }
 answers = {
-    (name, label): cmtof.unwrap(one, method=method, **options)["depth"].to_numpy()
-    / index
+    (name, method): cmtof.unwrap(one, method=method)["depth"].to_numpy() / index
     for name, one in variants.items()
-    for label, (method, options) in METHODS.items()
+    for method in METHODS
 }
 wraps = {
     key: np.abs(np.rint((depth - truth) / period)) for key, depth in answers.items()

@@ -21,11 +21,9 @@ print_error: float = 0.06  # px, of a corner: picture and printed board; assumed
 draws: int = 12  # calibrations redrawn for the uncertainty
 
 # %% tags=["hide-input"]
-from dataclasses import replace
 
 import matplotlib.pyplot as plt
 import numpy as np
-from scipy.spatial.transform import RigidTransform, Rotation
 
 import cmtof
 from cmtof.constants import FREQUENCY_SINGLE
@@ -230,27 +228,6 @@ plotting.save(
     f"speckle, which crosses half a wrap in {sigmas:g} sigma at {limit:.1f} m.",
     format="png",
 )
-
-# %% [markdown]
-# ## Calibration errors
-#
-# An error of the calibration is shared by all pixels and shifts a whole surface. A shift off the
-# epipolar line is detected and masked; a shift along the line is not, and some labels are then
-# wrong. A rig that was knocked must be recalibrated.
-
-# %%
-rows = []
-for name, vector in {
-    "none": [0, 0, 0],
-    "about y": [0, 5e-4, 0],
-    "about x": [5e-4, 0, 0],
-}.items():
-    turn = RigidTransform.from_rotation(Rotation.from_rotvec(vector))
-    knocked = replace(rig, poses=(rig.poses[0], turn * rig.poses[1]))
-    got = labels(far_frame, far_spots, knocked, **far_phase)
-    off = (np.abs(got.depth - far_frame.depth) > WRAP / 2)[got.mask].sum()
-    rows.append((name, f"{got.mask.mean():.1%}", f"{off} of {got.mask.sum()}"))
-notes.table(("right camera turned by 0.5 mrad", "labelled", "wrong labels"), rows)
 
 # %% [markdown]
 # ## Answer

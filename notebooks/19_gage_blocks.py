@@ -251,13 +251,11 @@ plotting.save(
 # is no solution: 1 mrad of tilt shifts it by a micrometre for each millimetre between the centres.
 
 # %%
-middles = [clouds[0][0][inside & (side == k), 0].mean() for k in (0, 1)]
 known = 2 * noise[0] / np.sqrt(inside.sum())
 print(
     f"a point scatters by {1e6 * noise[0]:.1f} µm (single), {1e6 * noise[1]:.1f} µm (doubled)\n"
     f"{inside.sum()} points: {1e6 * known:.2f} µm if the tilt were known,\n"
-    f"with a fitted tilt {1e6 * errors[0, 0]:.2f} µm\n"
-    f"middles {1e3 * abs(middles[1] - middles[0]):.1f} mm apart"
+    f"with a fitted tilt {1e6 * errors[0, 0]:.2f} µm"
 )
 
 # %% [markdown]

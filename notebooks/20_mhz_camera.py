@@ -239,10 +239,6 @@ plotting.label_panels(axes.flat)
 plotting.save(
     figure,
     "fig15_normals",
-    numbers={
-        f"normal_error_{key}_deg": [angles[n][k] for n in NAMES]
-        for k, key in enumerate(("mhz", "strong", "ghz", "ghz_captures"))
-    },
     caption="Normals as colours, all simulated: of the filtered 100 MHz image at the stated power "
     "and with strong light; of the GHz scans, not filtered, at the photon limit by this book's "
     "`surfaces` and with the noise of the published captures by the fine-tuned network; and of the "

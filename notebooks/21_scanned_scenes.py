@@ -363,21 +363,14 @@ plotting.save(
     "scan_needs",
     caption="What right wraps need, simulated. (a) `fast-scnn` at the captures' noise by number "
     f"of labelled scans, {stored['legs'][0]['steps']} steps each; three scans of every scene. (b) "
-    "At the captures' noise by the points in the scan. (c) By the phase noise of a point, zero at "
+    "At the captures' noise by the points in the scan; the network was fine-tuned at "
+    f"{settings['size']} points a side. (c) By the phase noise of a point, zero at "
     "the photon limit; the paper does not state its own. (b, c) are means over bust and owl. "
     "The reference knows the shapes.",
     alt="Three plots of right wraps. With labelled scans they rise from "
     f"{by_labels[0].mean():.0f} to {by_labels[max(by_labels)].mean():.0f} percent; with points "
     f"from {grid['fast-scnn', '1'][0]:.0f} to {grid['fast-scnn', '1'][-1]:.0f} percent; with noise "
     "they fall, those of KDE first.",
-)
-
-# %% tags=["hide-input"]
-notes.say(
-    """
-    The network was fine-tuned at one pitch, {points:.0f} points a side.
-    """,
-    points=settings["size"],
 )
 
 # %% [markdown]
