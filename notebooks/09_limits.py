@@ -157,7 +157,7 @@ print(
 # %% [markdown]
 # The step from `reference-offset` to `reference-contact` is the gain from connections across
 # creases: the offset of a chair follows from the floor that it stands on. An unknown tilt costs
-# little: a surface large enough for its wrap is large enough for its slope.
+# little, since a surface with enough pixels for its wrap has enough for its slope.
 #
 # ## Steep surfaces
 #

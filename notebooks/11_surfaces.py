@@ -149,9 +149,9 @@ views.show_scene("scene_room", title="the room")
 #    that are whole wraps apart, as a curtain before a wall, have the same phases and grow as one;
 #    such a surface is split where the beat of its cells steps.
 # 4. **Offsets.** Every surface is fitted to its interior; the beat and the shape give its whole
-#    wraps, with an uncertainty. A shape says little where walls are uneven: what is too faint for
-#    its own unevenness to show counts as uneven as the others. Planes aligned with the axes of the
-#    room reduce the uncertainty. A phase offset between the frequencies moves all beats and no
+#    wraps, with an uncertainty. Where walls are uneven, shape says little. A surface too faint to
+#    show its own unevenness is taken to be as uneven as the others. Planes aligned with the axes of
+#    the room reduce the uncertainty. A phase offset between the frequencies moves all beats and no
 #    shape; where the planes of a frame together show one by more than 2.5 standard deviations, it
 #    is subtracted ([chapter 12](12_robustness.ipynb)).
 # 5. **Ties.** Along each border two surfaces either meet, so that they differ by the same whole
@@ -473,10 +473,9 @@ notes.table(
 # [conformal risk control](https://arxiv.org/abs/2208.02814). The calibration has 80 training rooms,
 # each in both protocols, and in the released one also at σ = 300 and 2000. The table counts other
 # rooms, rooms with uneven walls, and scans ([chapter 21](21_scanned_scenes.ipynb)), with standard
-# errors; its last columns are the mean sizes of the sets.
-# The guarantee is one for rooms like those of the calibration, averaged over all of its settings:
-# the rows of uneven walls, of scans in the noise of captures and of the full range, where the set
-# of a lost pixel is wide, cover less.
+# errors; its last columns are the mean sizes of the sets. The guarantee holds for rooms like those
+# of the calibration, on average over its settings. Less is covered in three cases: uneven walls,
+# scans with the captures' noise, and the full range, where the set of a lost pixel is wide.
 
 # %% tags=["hide-input"]
 held = json.loads((Path(results) / "coverage.json").read_text("utf-8"))["checked"]

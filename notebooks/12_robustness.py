@@ -115,9 +115,9 @@ notes.table(
 )
 
 # %% [markdown]
-# An offset moves the beat, so that every method that reads it loses. This holds for the learned
-# baselines, too, which were given no filters that form the beat. The paper's network loses 0.6
-# points; the paper does not say why an offset leaves it unharmed.
+# An offset moves the beat, so every method that reads it loses. So does each learned baseline,
+# though none was given filters that form the beat. The paper's network loses 0.6 points; the paper
+# does not say why an offset leaves it unharmed.
 #
 # ## Effect of an offset
 #

@@ -294,8 +294,8 @@ notes.table(
 #
 # $$\sigma_z = \frac{c}{4\pi f}\,\frac{\sqrt{v/2}}{m\,N}.$$
 #
-# Texture also changes a range without noise. Lens and sensor scatter a share of all light evenly
-# over the image; with $s$ its phasor over the pixel's own and $\Delta$ the difference of their
+# Even without noise, texture changes the range. Lens and sensor scatter a share of all light evenly
+# over the image. With $s$ its phasor over the pixel's own and $\Delta$ the difference of their
 # phases, it shifts the phase by $\delta = \arg(1 + s\,e^{i\Delta})$: at most to the range of the
 # scattering surface, and not at all in a scene at one range.
 
