@@ -102,11 +102,11 @@ print(f"beyond 7.5 m: {np.mean(ours['range (m)'] > 7.5):.0%} of the pixels")
 # ## Difficulty of a scene
 #
 # The difficulty depends on changes of range. The steeper a surface, the fewer of its pixels can be
-# averaged. At its end a method must start again, with only the next surface's pixels to find the
-# wrap. Where the machine has them, path-traced frames of one furnished room, made by others, are
-# shown too, at every second pixel to match the lens. The generator of the rooms was tuned with a
-# view to the slopes, jumps and surface sizes of these frames. Their agreement below is therefore no
-# independent test.
+# averaged. Beyond half a wrap a pixel the sign of a slope is ambiguous. Where a surface ends, a
+# method must start again, with only the next surface's pixels to find the wrap. Where the machine
+# has them, path-traced frames of one furnished room, made by others, are compared, at every second
+# pixel to match the lens. The generator of the rooms was tuned with a view to the slopes, jumps and
+# surface sizes of these frames. Their agreement below is therefore no independent test.
 
 # %% tags=["hide-input"]
 root = data_root()

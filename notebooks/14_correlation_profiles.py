@@ -197,7 +197,6 @@ notes.table(
         "harmonic",
         "closed form",
         "residual over noise",
-        "scatter of a sweep",
     ],
     [
         [
@@ -206,7 +205,6 @@ notes.table(
             f"{100 * harmonic[m][3 - ORDER[m]]:.2f} %",
             f"{100 * closed_form[m][3 - ORDER[m]]:.2f} %",
             f"{pull[m]:.2f}",
-            f"{1e3 * profiles[m].std(axis=0, ddof=1).mean():.2f} mV",
         ]
         for m in ORDER
     ],

@@ -321,7 +321,6 @@ side = 2.5e-3  # m
 crystal = 5e-3  # m, assumed
 wavelength = known.wavelength
 rows = []
-# known
 for name, ordinary, extraordinary in (
     ("LiNbO3", 2.323, 2.234),
     ("LiTaO3", 2.183, 2.188),
