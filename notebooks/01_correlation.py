@@ -4,8 +4,9 @@
 # How does a camera that sees nothing faster than a kilohertz measure the delay of light that is
 # modulated at 7 GHz (Paper Fig. 2, simulated; Eqs. 1–4 and 20)?
 #
-# Everything in this book rests on this cosine: its phase is the distance within one period, and its
-# contrast sets the noise.
+# The camera sees only the average of light times reference. Against the reference phase this
+# average is a cosine. Everything in this book rests on it: its phase is the distance within one
+# period, and its contrast sets the noise.
 
 # %% tags=["parameters", "hide-input"]
 profile: str = "book"  # size profile

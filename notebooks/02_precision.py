@@ -3,8 +3,8 @@
 #
 # How much does a higher modulation frequency improve the depth (Paper Fig. 3, simulated)?
 #
-# This gain is why one builds an instrument for gigahertz light. Its price: the phase repeats every
-# two centimetres.
+# This gain is why one builds an instrument for gigahertz light. The price is a phase that repeats
+# every two centimetres.
 
 # %% tags=["parameters", "hide-input"]
 profile: str = "book"  # size profile
