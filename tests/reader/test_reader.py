@@ -49,7 +49,7 @@ def visit(browser):
     assert not any(problems)
 
 
-@mark.parametrize("width", browse.WIDTHS.values(), ids=browse.WIDTHS)
+@mark.parametrize("width", browse.WIDTHS.values())
 def test_nothing_is_wrong_with_any_page(browser, width):
     found = {}
     for page in PAGES:
@@ -207,8 +207,11 @@ def test_a_link_shows_what_it_leads_to(visit, kind):
     box.wait_for(state="detached")
 
 
-def test_a_picture_opens_and_closes(visit):
+def test_a_phone_offers_to_enlarge_a_picture(visit):
     tab = visit("notebooks/01_correlation.html", 390)
+    assert "tap" in tab.locator("figcaption").first.evaluate(
+        "caption => getComputedStyle(caption, '::before').content"
+    )
     tab.locator("figure img").first.click()
     assert tab.locator("dialog.zoom img").bounding_box()["width"] >= 900
     tab.keyboard.press("Escape")
@@ -241,7 +244,7 @@ def right_share(tab, method):
     return float(re.search(r"([\d.]+) % right", caption.inner_text())[1])
 
 
-@mark.parametrize("width", browse.WIDTHS.values(), ids=browse.WIDTHS)
+@mark.parametrize("width", browse.WIDTHS.values())
 @mark.parametrize("colours", ["light", "dark"])
 def test_the_laboratory_measures_and_unwraps(browser, width, colours, tmp_path):
     with browse.opened(browser, HTML / "book" / "laboratory.html", width) as (
@@ -281,7 +284,7 @@ def read_a_pixel(tab):
 
 def take_own_scenes(tab, folder):
     """Take a frame of the reader's and the phases of the example, and refuse what is neither."""
-    image = np.linspace(0.9, 1, 70 * 90).reshape(70, 90)
+    image = np.full((70, 90), 0.9)
     np.savez(folder / "own.npz", depth=image, intensity=image)
     with tab.expect_download() as example:
         tab.get_by_role("link", name="an example").click()
