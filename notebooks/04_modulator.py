@@ -512,8 +512,6 @@ for order, wave, colour in (
     ax.plot(np.rad2deg(plate), found, "o", ms=4.5, color=colour, label=f"$m_{order}$")
 ax.set(xlabel="angle of the half-wave plate (°)", ylabel="amplitude over the mean")
 ax.legend(loc="upper left")
-
-# %% tags=["hide-input"]
 half_power = settings.drive_power + 20 * np.log10(0.26 / settings.eta)
 plotting.save(
     figure,
