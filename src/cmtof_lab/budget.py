@@ -83,8 +83,11 @@ def drawn_terms(target: Plane, mode: str, *, days: int, seed: int) -> Values:
         "RF leakage": only("leakage"),
         "laser drift": only("fibre_low", "fibre_high"),
     }
-    drawn = {name: simulated(one, mirror, mode, **still) for name, one in alone.items()}
-    return {name: np.sqrt(np.mean(errors**2)) for name, errors in drawn.items()}
+    found = {}
+    for name, one in alone.items():
+        errors = simulated(one, mirror, mode, **still)
+        found[name] = np.sqrt(np.mean(errors**2))
+    return found
 
 
 def air_term(target: Plane) -> float:

@@ -22,9 +22,8 @@ from cmtof_lab.instrument import Panel, RfKnobs, SimulatedInstrument
 
 TDAC_STEP = 20.0 / 2**14  # Step of the LJTick-DAC, 14 bit, V
 DAC_STEP = 5.0 / 2**12  # of DAC0 and DAC1, 12 bit, V
-BESIDE = (
-    1e-3  # rad off the target among the scene, at which the beam misses it (assumed)
-)
+# rad off the target among the scene, at which the beam misses it (assumed)
+BESIDE = 1e-3
 SWITCHES = {
     "laser": "laser_on",
     "shutter": "shutter_open",
@@ -259,4 +258,5 @@ def simulated_devices(instrument: SimulatedInstrument, rig: Rig) -> Fields:
 
 def _coded(phases: ArrayLike) -> Array:
     """Phases as the drivers' codes hold them, rad in [0, 2 pi)."""
-    return np.rint(np.asarray(phases) * CODES / TAU) % CODES * (TAU / CODES)
+    codes = np.rint(np.asarray(phases) * CODES / TAU) % CODES
+    return codes * (TAU / CODES)

@@ -57,7 +57,8 @@ class Chain:
         """Autocovariance (count,) of the output, V^2, at successive samples for unit density."""
         row = np.eye(POLES)[-1]
         found = []
-        for _ in range(count):  # cov(x_{t+l}, x_t) = e^T T^l P e
+        # cov(x_{t+l}, x_t) = e^T T^l P e
+        for _ in range(count):
             found.append(row @ self.settled @ self.settled[-1])
             row = row @ self.transition
         return np.array(found)

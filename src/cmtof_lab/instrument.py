@@ -33,19 +33,24 @@ from cmtof_lab.electronics import (
     density,
     volts_per_watt,
 )
-from cmtof_lab.optics import ambient, directions_from_angles, inward, outward, trace
+from cmtof_lab.optics import (
+    WORD,
+    ambient,
+    directions_from_angles,
+    inward,
+    outward,
+    trace,
+)
 from cmtof_lab.settings import TwinSettings
 from cmtof_lab.targets import Plane, scene_from
 
 HARMONICS = 16  # Highest harmonic of the drive that is kept: J_16(2 eta) < 1e-12 up to eta = 1.5
-DRIFT_OCTAVES = 1e-3 * 2.0 ** np.arange(
-    10
-)  # Frequencies of a drift, Hz, from 1 mHz to 0.5 Hz
+# Frequencies of a drift, Hz, from 1 mHz to 0.5 Hz
+DRIFT_OCTAVES = 1e-3 * 2.0 ** np.arange(10)
 DRIFT_RMS = float(1 / np.sqrt(2 * DRIFT_OCTAVES.size))
 
-STEP_NOISE = np.sqrt(
-    32 / 3
-)  # Phase noise of a step over that of 16: mean of (2 sin^2)^2 is 3/2
+# Phase noise of a step over that of 16: mean of (2 sin^2)^2 is 3/2
+STEP_NOISE = np.sqrt(32 / 3)
 
 LABEL = 1  # purposes of random numbers
 DRIFT = 5
@@ -56,22 +61,21 @@ _harmonics = lru_cache(maxsize=4096)(TwoPassModulator.harmonics)
 
 def keyed_generator(seed: int, purpose: int, key: int = 0) -> Generator:
     """Philox generator whose numbers depend on the arguments alone (Salmon et al., SC 2011)."""
-    words = np.array([seed & (2**64 - 1), purpose], np.uint64)
+    words = np.array([seed & WORD, purpose], np.uint64)
     return Generator(Philox(key=words, counter=_counter(key)))
 
 
 def _counter(key: int) -> NDArray[np.uint64]:
     """Counter of a Philox generator from which the numbers of a key are drawn."""
-    return np.array([0, key & (2**64 - 1), 0, 0], np.uint64)
+    return np.array([0, key & WORD, 0, 0], np.uint64)
 
 
 def normals_by_key(seed: int, purpose: int, keys: Numbers, count: int) -> Array:
     """Standard normals (N, count): row n is what `keyed_generator` draws first for key n."""
     draw = keyed_generator(seed, purpose)
     source = draw.bit_generator
-    state: Any = (
-        source.state
-    )  # to set it is faster than to make a generator for each key
+    # To set it is faster than to make a generator for each key
+    state: Any = source.state
     made = np.empty((len(keys), count))
     for row, key in zip(made, np.asarray(keys).tolist(), strict=True):
         state["state"]["counter"] = _counter(key)
@@ -86,7 +90,8 @@ def drift(seed: int, channel: int, time: ArrayLike) -> Array:
     # off the exact octaves, or the sum would be periodic
     rate = TAU * DRIFT_OCTAVES * rng.uniform(0.9, 1.1, DRIFT_OCTAVES.size)
     angle = np.multiply.outer(time, rate)
-    return np.sin(angle + rng.uniform(0, TAU, rate.size)).sum(-1) / rate.size
+    angle = angle + rng.uniform(0, TAU, rate.size)
+    return np.sin(angle).sum(-1) / rate.size
 
 
 @dataclass
@@ -141,10 +146,8 @@ class SimulatedInstrument:
             transmitted_extinction=settings.transmitted_extinction,
             reflected_extinction=settings.reflected_extinction,
         )
-        codes = [
-            keyed_generator(self.seed, CODE, n).standard_normal(CODES) for n in (0, 1)
-        ]
-        self.code_errors = settings.phase_step_error * np.stack(codes)
+        codes = normals_by_key(self.seed, CODE, np.arange(2), CODES)
+        self.code_errors = settings.phase_step_error * codes
         # a matrix exponential finds the filters once for all bursts of a rate, Hz
         self._filters = cache(lambda rate: Chain(settings, 1 / rate))
 
@@ -171,7 +174,8 @@ class SimulatedInstrument:
         # the drives are constant in stretches between edges
         first = np.flatnonzero(np.diff(pulses, prepend=pulses[0] - 1))
         length = np.diff(first, append=len(pulses))
-        times = BURST_INTERVAL * numbers[:, None] + (first + length / 2) / rate
+        begin = BURST_INTERVAL * numbers[:, None]
+        times = begin + (first + length / 2) / rate
         light = self._light(
             panel,
             self._paths(panel, points, places),
@@ -238,7 +242,8 @@ class SimulatedInstrument:
     def _lag(self, mode: int, times: Array, jitter: Array) -> Array:
         """Lag (N, S), rad, of the drives: slow, and from step to step."""
         slow = self.settings.phase_drift / DRIFT_RMS * drift(self.seed, 1, times)
-        return slow + STEP_NOISE * self.settings.phase_noise[mode] / (1 + mode) * jitter
+        spread = STEP_NOISE * self.settings.phase_noise[mode] / (1 + mode)
+        return slow + spread * jitter
 
     def _share(
         self,
@@ -254,10 +259,10 @@ class SimulatedInstrument:
         phase = 2 * TAU * frequency / SPEED_OF_LIGHT * way
         share = products[:, 0].real / 2 * fraction.sum(1, keepdims=True)
         for order in orders.tolist():
-            phasor = (fraction * np.exp(-1j * order * phase)).sum(1, keepdims=True)
-            share = (
-                share + (products[:, order] * phasor * np.exp(1j * order * lag)).real
-            )
+            phasors = fraction * np.exp(-1j * order * phase)
+            phasor = products[:, order] * phasors.sum(1, keepdims=True)
+            turned = phasor * np.exp(1j * order * lag)
+            share = share + turned.real
         return share
 
     def counts(self, light: Array, labels: NDArray, rate: float) -> Counts:
@@ -297,8 +302,9 @@ class SimulatedInstrument:
             made.append(size * np.exp(-1j * phase))
         if not panel.clock_on:  # what leaks at another frequency averages out
             return made
+        first, second = made
         leak = settings.leakage * np.exp(-1j * settings.leakage_phase)
-        return [made[0] + leak * made[1], made[1] + leak * made[0]]
+        return [first + leak * second, second + leak * first]
 
     def _waveforms(self, panel: Panel, edges: Numbers) -> list[Complex]:
         """Fourier coefficients (S, K + 1) of both modules behind edges (S,)."""
@@ -316,22 +322,25 @@ class SimulatedInstrument:
                 _harmonics(replace(module, eta=x), HARMONICS)
                 for x in np.abs(phasor).tolist()
             ]
-            turn = np.exp(1j * np.angle(phasor))[:, None] ** np.arange(HARMONICS + 1)
-            found.append(np.stack(waves) * turn)
+            turn = np.exp(1j * np.angle(phasor))
+            turns = turn[:, None] ** np.arange(HARMONICS + 1)
+            found.append(np.stack(waves) * turns)
         return found
 
     def made_phase(self, module: int, phase: Array) -> Array:
         """Phase, rad, that driver 0 or 1 really makes of one that was set."""
-        code = np.rint(phase * (CODES / TAU)).astype(int) % CODES
-        error = self.code_errors[module, code]
-        return phase + error + self.settings.iq_imbalance * np.sin(2 * phase)
+        code = np.rint(phase * (CODES / TAU)).astype(int)
+        error = self.code_errors[module, code % CODES]
+        skew = self.settings.iq_imbalance * np.sin(2 * phase)
+        return phase + error + skew
 
     def from_fibre(self, panel: Panel, times: Array) -> Array:
         """Power behind the fibre at times, W; 0 unless laser, shutter and interlock let it pass."""
         low = self.settings.fibre_low
         high = self.settings.fibre_high
         passed = panel.laser_on and panel.shutter_open and panel.interlock_closed
-        fibre = (low + high) / 2 + (high - low) / 2 * drift(self.seed, 0, times)
+        moved = (high - low) / 2 * drift(self.seed, 0, times)
+        fibre = (low + high) / 2 + moved
         return passed * self.settings.laser_power * fibre
 
     def ranges(self, angles: ArrayLike) -> Array:
@@ -340,12 +349,11 @@ class SimulatedInstrument:
 
     def laser_power(self, panel: Panel) -> float:
         """Power that the integrating sphere behind the first beam splitter sees, W (Sec. 7.1)."""
-        power = (
-            self.from_fibre(panel, np.array(panel.time)) * self.emission(panel)[0].real
-        )
         settings = self.settings
+        power = self.from_fibre(panel, np.array(panel.time))
+        emitted = power * self.emission(panel)[0].real
         passed = settings.lens**2 * settings.mirror * settings.splitter
-        return float(power * passed)
+        return float(emitted * passed)
 
 
 def amplitude(settings: TwinSettings, power: float, frequency: float) -> complex:

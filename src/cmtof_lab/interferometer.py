@@ -45,39 +45,31 @@ class Interferometer:
     """Interferometer of Table 4: both drives off, beam block out, APD440A behind grey filters."""
 
     settings: TwinSettings = field(default_factory=TwinSettings)
-    linewidth: float = (
-        30e9  # Hz, full width at half maximum, several modes (gem 532, known)
-    )
-    wavelength_error: float = (
-        2e-4  # relative, rms over days (assumed: it may run at 532.1 nm)
-    )
-    intensity_noise: float = (
-        1e-3  # of the laser from step to step, relative, rms (assumed)
-    )
-    arm_power: float = (
-        1.4e-9  # W of either arm on the detector at most, below its end (assumed)
-    )
-    reference_radius: float = (
-        0.25e-3  # m, 1/e^2 radius of the reference beam (Sec. 7.1)
-    )
+    # Hz, full width at half maximum, several modes (gem 532, known)
+    linewidth: float = 30e9
+    # Relative, rms over days (assumed: it may run at 532.1 nm)
+    wavelength_error: float = 2e-4
+    # Of the laser from step to step, relative, rms (assumed)
+    intensity_noise: float = 1e-3
+    # W of either arm on the detector at most, below its end (assumed)
+    arm_power: float = 1.4e-9
+    # m, 1/e^2 radius of the reference beam (Sec. 7.1)
+    reference_radius: float = 0.25e-3
     imbalance: float = 1e-3  # m, reference arm less the target's distance (assumed)
     steps: int = 8  # K, over half a wavelength (assumed)
     samples: int = 5  # at 24 kS/s in a step (assumed)
     speed: float = 3e-5  # m/s of the stage between positions (assumed: 50 nm a reading)
     stage_error: float = STAGE_ERROR
-    speckle_length: float = (
-        0.016  # m of travel (assumed: the plate turns by 20 urad per mm)
-    )
-    shaking: float = (
-        20e-9  # m rms, along the beam: a resonance of the breadboard (assumed)
-    )
+    # m of travel (assumed: the plate turns by 20 urad per mm)
+    speckle_length: float = 0.016
+    # m rms, along the beam: a resonance of the breadboard (assumed)
+    shaking: float = 20e-9
     resonance: float = 30.0  # Hz (assumed)
     quality: float = 20.0  # quality factor of the resonance (assumed)
     temperature_drift: float = 0.05  # K rms (assumed)
     drift_time: float = 600.0  # s, after which it has forgotten where it was (assumed)
-    expansion: float = (
-        11e-6  # 1/K, of the breadboard under the scene arm (steel, known)
-    )
+    # 1/K, of the breadboard under the scene arm (steel, known)
+    expansion: float = 11e-6
 
     @property
     def wavelength(self) -> float:
@@ -110,9 +102,8 @@ class Interferometer:
             return min(1.0, TAU / (area * (inverse + self.reference_radius**-2)))
         width = spot_radius(settings, 2 * z)
         real = self.reference_radius**-2 + width**-2
-        turned = (
-            np.pi * settings.divergence / (width * vacuum)
-        )  # curvature of the wavefront
+        # Curvature of the wavefront
+        turned = np.pi * settings.divergence / (width * vacuum)
         areas = (self.reference_radius * width) ** 2
         return 4 / areas / (real**2 + turned**2)
 
@@ -166,7 +157,8 @@ class Interferometer:
     def _stations(self, stops: Array) -> Numbers:
         """Readings at the stops, of all that the stage passes on its way."""
         strides = np.abs(np.diff(stops)) / self.stride - 1e-9
-        return np.append(0, np.cumsum(np.maximum(1, np.ceil(strides)))).astype(int)
+        counts = np.maximum(1, np.ceil(strides))
+        return np.append(0, counts.cumsum()).astype(int)
 
     def _speckle(self, target: Plane, stops: Array, rng: Generator) -> NDArray:
         """Factor of the field at the stops: a mirror has none."""
@@ -215,7 +207,8 @@ class Interferometer:
     def lost_fringes(self) -> float:
         """Mean number of fringes that one reading loses along the move (law in chapter 17)."""
         angle = TAU * self.resonance * self.reading_time
-        kept = np.exp(-angle / (2 * self.quality)) * np.cos(angle)
+        decay = angle / (2 * self.quality)
+        kept = np.exp(-decay) * np.cos(angle)
         spread = max(self.shaking * np.sqrt(2 - 2 * kept), 1e-15)
         highest = 4 * (self.stride + 9 * spread) / self.wavelength
         edge = self.wavelength / 4 * np.arange(1, highest + 2, 2)
@@ -239,4 +232,5 @@ def _carried(normals: NDArray, exponent: complex) -> NDArray:
 
 def _gaussian_root(places: Array) -> Array:
     """Root (P, P) of the correlation ``exp(-d^2)`` of a circular field of mean square 1, over 2."""
-    return root_of(np.exp(-((places[:, None] - places) ** 2)) / 2)
+    apart = places[:, None] - places
+    return root_of(np.exp(-(apart**2)) / 2)

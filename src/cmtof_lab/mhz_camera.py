@@ -52,16 +52,13 @@ class MhzCamera:
     f_number: float = 1.4  # assumed
     transmission: float = 0.8  # of lens and band-pass (assumed)
     efficiency: float = 0.5  # electrons per photon (assumed)
-    ambient_radiance: float = (
-        9e-4  # of white in the room behind the band-pass, W/(m^2 sr), assumed
-    )
+    # Of white in the room behind the band-pass, W/(m^2 sr), assumed
+    ambient_radiance: float = 9e-4
     source_radius: float = 0.01  # of the emitters about the lens, m (assumed)
-    contrast: float = (
-        0.8  # of the taps at 100 MHz (known of a CAPD pixel, Sony, VLSI 2017)
-    )
-    bandwidth: float = (
-        400e6  # of the emitter and of the gates, Hz, one pole each (assumed)
-    )
+    # Of the taps at 100 MHz (known of a CAPD pixel, Sony, VLSI 2017)
+    contrast: float = 0.8
+    # Of the emitter and of the gates, Hz, one pole each (assumed)
+    bandwidth: float = 400e6
     full_well: float = 100e3  # of a tap, electrons (assumed)
     read_noise: float = 15.0  # of a difference, electrons (assumed)
     bits: int = 12  # of the converter (known)
@@ -77,14 +74,14 @@ class MhzCamera:
     @property
     def pupil_area(self) -> float:
         """Area of the lens's opening, m^2."""
-        return np.pi / 4 * (self.focal_length * self.pixel / self.f_number) ** 2
+        width = self.focal_length * self.pixel / self.f_number
+        return np.pi / 4 * width**2
 
     @property
     def modulation(self) -> float:
         r"""Amplitude of A - B over the charge, :math:`m = (8/\pi^2)\,C / (1 + f^2/f_c^2)`."""
-        return (
-            8 / np.pi**2 * self.contrast / (1 + (self.frequency / self.bandwidth) ** 2)
-        )
+        ratio = self.frequency / self.bandwidth
+        return 8 / np.pi**2 * self.contrast / (1 + ratio**2)
 
     @property
     def wrap(self) -> float:
@@ -98,15 +95,17 @@ class MhzCamera:
         """
         z = view.range
         weight = np.asarray(view.mirrored)
-        sent = self._electrons(self.power) / (self.shape[0] * self.shape[1])
+        sent = self._electrons(self.power) / np.prod(self.shape)
         with np.errstate(invalid="ignore", divide="ignore"):
             lobe = np.hypot(SPECULAR_LOBE, self.source_radius / z)
             turned = 2 * np.arccos(np.minimum(view.cosine, 1))
             # a Gaussian lobe of half angle w peaks at 2 / (pi w^2) per sr, white paper at 1 / pi
-            mirror = 2 / lobe**2 * np.exp(-2 * (turned / lobe) ** 2)
+            away = turned / lobe
+            mirror = 2 / lobe**2 * np.exp(-2 * away**2)
             polished = SPECULAR_DIFFUSE * view.cosine + mirror
             shine = (1 - weight) * view.cosine + weight * polished
-            share = view.reflectance * shine * self.pupil_area / (np.pi * z**2)
+            seen = self.pupil_area / (np.pi * z**2)
+        share = view.reflectance * shine * seen
         return sent * np.where(z > 0, share, 0.0)
 
     def room(self, view: RayEnds) -> Array:
@@ -117,7 +116,8 @@ class MhzCamera:
 
     def _electrons(self, power: float) -> float:
         """Electrons of one step that a power, W, before the lens makes."""
-        photons = power * self.exposure / STEPS * self.wavelength / (h * c)
+        energy = power * self.exposure / STEPS
+        photons = energy * self.wavelength / (h * c)
         return photons * self.transmission * self.efficiency
 
     def light(self, view: RayEnds, field: RayEnds) -> Light:
@@ -134,11 +134,15 @@ class MhzCamera:
             turn = -1j * (TAU / self.wrap)
             return self.signal(part) * np.exp(turn * np.nan_to_num(part.range))
 
-        return mixed(phasor), mixed(lambda part: self.signal(part) + self.room(part))
+        def charge(part: RayEnds) -> Array:
+            return self.signal(part) + self.room(part)
+
+        return mixed(phasor), mixed(charge)
 
     def differences(self, light: Light) -> Array:
         """Mean of A - B in each step, electrons, (4, H, W)."""
-        return self.modulation * (light[0] * np.exp(-1j * PSI[:, None, None])).real
+        turned = np.multiply.outer(np.exp(-1j * PSI), light[0])
+        return self.modulation * turned.real
 
     def capture(self, light: Light, *, rng: Generator, repeats: int = 1) -> Array:
         """Difference images (repeats, 4, H, W), electrons: Skellam and read noise, rounded.

@@ -29,9 +29,8 @@ DISTANCE = 0.9  # from the instrument to the middle of an object, m
 WALL = 0.25  # from there to the wall behind, m
 WIDTH = 9e-3  # face of a gauge block up to 10 mm long, m (known)
 HEIGHT = 30e-3  # m (known)
-GRADE_2 = (
-    0.45e-6  # greatest error of such a length, m (DIN 861, grade 2, by makers' tables)
-)
+# Greatest error of such a length, m (DIN 861, grade 2, by makers' tables)
+GRADE_2 = 0.45e-6
 MIRRORED = 0.7  # specular weight of a block (assumed): lapping leaves a matt sheen
 
 Specifications = dict[str, Fields]
@@ -141,7 +140,8 @@ def gage_blocks(
     y = np.tile([-0.5, -0.5, 0.5, 0.5], 2) * HEIGHT
     lengths = np.repeat([errors[0], step + errors[1]], 4)
     # the step is the distance of the two parallel faces, along their normal
-    z = distance + np.tan(tilt) * x - lengths / np.cos(tilt)
+    raised = lengths / np.cos(tilt)
+    z = distance + np.tan(tilt) * x - raised
     faces = [
         [0, 1, 2],
         [0, 2, 3],
@@ -188,8 +188,9 @@ def _ellipsoid(stated: Fields) -> Trimesh:
     """An ellipsoid about the origin with half axes x, y, z, m."""
     x, y, z = stated["ellipsoid"]
     angle = np.linspace(-np.pi / 2, np.pi / 2, 81)
-    breadths = [np.cos(angle) * half for half in (x, y, y)]
-    return _lathed(np.stack([z * np.sin(angle), *breadths], -1), stated)
+    height = z * np.sin(angle)
+    breadths = np.outer(np.cos(angle), (x, y, y))
+    return _lathed(np.column_stack([height, breadths]), stated)
 
 
 def _box(size: Sequence[float]) -> Trimesh:
@@ -204,7 +205,8 @@ def _rod(stated: Fields) -> Trimesh:
     return cylinder(radius, sections=240, segment=ends)
 
 
-UPRIGHT = rotation_matrix(-np.pi / 2, [1, 0, 0])  # of a ring
+# Of a ring
+UPRIGHT = rotation_matrix(-np.pi / 2, [1, 0, 0])
 # Makers of the shapes of `objects.yml`.
 SHAPES = {
     "body": _body,
@@ -220,12 +222,13 @@ def _lathed(sections: Array, stated: Fields) -> Trimesh:
     """Body of sections (height, half breadth, front, back), with its relief and its holes."""
     x, y, z = _skin(sections, stated.get("grid", (240, 400)))
     if "relief" in stated:
-        out = getattr(finishes, stated["relief"])(x, y, z)
+        out = finishes.relief(stated["relief"], x, y, z)
         grow = 1 + out / np.maximum(np.hypot(x, y), 0.01)
         x *= grow
         y *= grow
     points = np.stack([x, y, z], axis=-1).reshape(-1, 3)
-    ring = np.pad(np.arange(x.size).reshape(x.shape), ((0, 0), (0, 1)), "wrap")
+    number = np.arange(x.size).reshape(x.shape)
+    ring = np.hstack([number, number[:, :1]])
     corners = cells_of(ring)[..., [0, 3, 2, 1]].reshape(-1, 4)
     if "holes" in stated:
         middles = points[corners].mean(1)
@@ -236,10 +239,13 @@ def _lathed(sections: Array, stated: Fields) -> Trimesh:
 
 def _skin(sections: Array, grid: Shape) -> tuple[Array, Array, Array]:
     """Coordinates (rows, columns) of a body's skin, evenly along its profile and around it."""
-    path = sections[:, np.minimum(range(4), sections.shape[1] - 1)]
-    lengths = np.linalg.norm(np.diff(path[:, :2], axis=0), axis=1)
+    last = sections.shape[1] - 1
+    path = sections[:, np.minimum(range(4), last)]
+    sides = np.diff(path[:, :2], axis=0)
+    lengths = np.linalg.norm(sides, axis=1)
     along = np.append(0, lengths.cumsum())
-    profile = PchipInterpolator(along, path)(np.linspace(0, along[-1], grid[0]))
+    evenly = np.linspace(0, along[-1], grid[0])
+    profile = PchipInterpolator(along, path)(evenly)
     z, side, front, back = np.repeat(profile.T[..., None], grid[1], axis=2)
     turn = np.linspace(-np.pi, np.pi, grid[1], endpoint=False)  # 0 is the front
     reach = np.where(np.cos(turn) > 0, -front, -back)

@@ -49,19 +49,16 @@ class OpticalRanger:
     mode: str = "single"
     phases: int = 16  # K (Sec. 7.2)
     samples: int = 20  # of each phase (Sec. 7.2)
-    settle: int = (
-        4  # of them are dropped while the filters settle, as in the default rig
-    )
+    # Of them are dropped while the filters settle, as in the default rig
+    settle: int = 4
     visits: int = 8  # (assumed)
     age: float = 600.0  # s from the first visit to the sweep (assumed)
-    step_time: float = (
-        1.0  # s from one reading to the next (assumed: 2.4 mm/s and a turn of 1 mm)
-    )
+    # s from one reading to the next (assumed: 2.4 mm/s and a turn of 1 mm)
+    step_time: float = 1.0
     air_change: Pair = (0.5, 100.0)  # K, Pa since the zero, rms (assumed)
     stage_error: float = STAGE_ERROR
-    level: float = (
-        0.5  # share of the detector's range that the crest may reach (assumed)
-    )
+    # Share of the detector's range that the crest may reach (assumed)
+    level: float = 0.5
 
     @property
     def frequency(self) -> float:
@@ -176,21 +173,25 @@ class OpticalRanger:
     def _light(self, collected: ArrayLike) -> Arrays:
         """Mean and amplitude, W, of the correlation of collected light, W."""
         settings = self.settings
-        wave = SimulatedInstrument(settings).emission(
-            self.panel()
-        )  # the detection's is alike
+        # the detection's is alike
+        wave = SimulatedInstrument(settings).emission(self.panel())
         opened = np.divide(collected, emission_mean(settings, self.mode))
-        mean = opened * wave[0].real ** 2 + ambient(settings) * wave[0].real
-        return mean, opened * 2 * abs(wave[MODES[self.mode]]) ** 2
+        passed = wave[0].real
+        mean = opened * passed**2 + ambient(settings) * passed
+        size = abs(wave[MODES[self.mode]])
+        return mean, opened * 2 * size**2
 
     def _bandwidth(self) -> float:
         """Variance, V^2, of one quadrature of the fundamental per one-sided density, V^2/Hz."""
-        phase, sample = np.divmod(np.arange(self.phases * self.samples), self.samples)
-        memory = Chain(self.settings, 1 / SAMPLE_RATE).memory(phase.size)
-        tone = np.exp(-1j * nominal_psi(self.phases))[phase] * (sample >= self.settle)
-        overlap = correlate(tone, tone)[phase.size - 1 :].real
-        scale = 2 / (self.phases * (self.samples - self.settle))
-        return float(scale**2 * (overlap @ memory - overlap[0] * memory[0] / 2))
+        count = self.phases * self.samples
+        memory = Chain(self.settings, 1 / SAMPLE_RATE).memory(count)
+        kept = np.arange(self.samples) >= self.settle
+        tone = np.outer(np.exp(-1j * nominal_psi(self.phases)), kept).ravel()
+        overlap = correlate(tone, tone)[count - 1 :].real
+        # both ways of a lag, and none at lag 0
+        memory[0] /= 2
+        scale = 2 / (self.phases * kept.sum())
+        return float(scale**2 * (overlap @ memory))
 
 
 def _another_day(settings: TwinSettings, rng: Generator) -> TwinSettings:

@@ -3,7 +3,8 @@
 from typing import NamedTuple
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
+from pandas.util import hash_array
 from scipy.special import gammaincinv
 
 from cmtof.modulator import doubled_mode_harmonics, single_mode_harmonics
@@ -12,12 +13,12 @@ from cmtof_lab.settings import TwinSettings
 from cmtof_lab.targets import RayEnds, Target
 
 PLACE = 1e-6  # Directions, rad, that share their speckle: finer than a step of the galvo's 14 bits
-SPECULAR_LOBE = (
-    3e-3  # 1/e^2 half angle into which a polished surface reflects a ray, rad (assumed)
-)
-SPECULAR_DIFFUSE = (
-    0.02  # Share of a polished surface's reflectance that is diffuse (assumed)
-)
+# Largest number of 64 bits
+WORD = 2**64 - 1
+# 1/e^2 half angle into which a polished surface reflects a ray, rad (assumed)
+SPECULAR_LOBE = 3e-3
+# Share of a polished surface's reflectance that is diffuse (assumed)
+SPECULAR_DIFFUSE = 0.02
 
 # Points of the spot in units of its 1/e^2 radius, and their weights: exact for a Gaussian up to
 # degree 5 (Stroud, Approximate Calculation of Multiple Integrals, 1971, E_2^{r^2}: 5-1)
@@ -37,8 +38,9 @@ class Paths(NamedTuple):
 def directions_from_angles(angles: ArrayLike, aside: ArrayLike = 0.0) -> Array:
     """Unit vectors (..., 3) along (tan x, tan y, 1) + aside for optical angles (..., 2), rad."""
     tangent = np.tan(angles) + aside
-    ray = np.concatenate([tangent, np.ones_like(tangent[..., :1])], axis=-1)
-    length = np.sqrt((ray * ray).sum(-1, keepdims=True))
+    ahead = np.ones_like(tangent[..., :1])
+    ray = np.concatenate([tangent, ahead], axis=-1)
+    length = np.linalg.norm(ray, axis=-1, keepdims=True)
     return ray / length
 
 
@@ -71,9 +73,11 @@ def returned_fractions(settings: TwinSettings, hits: RayEnds) -> list[Array]:
         steradian = (radius / z) ** 2
         rough = np.minimum(0.5 * hits.cosine * steradian, 0.5)
         # a Gaussian lobe, cut by the aperture and turned by twice the tilt, keeps its polarisation
-        caught = 1 - np.exp(-2 * (radius / (z * lobe)) ** 2)
+        cut = radius / (z * lobe)
+        caught = 1 - np.exp(-2 * cut**2)
         turned = 2 * np.arccos(np.minimum(hits.cosine, 1))
-        mirrored = caught * np.exp(-2 * (turned / lobe) ** 2)
+        aside = turned / lobe
+        mirrored = caught * np.exp(-2 * aside**2)
         parts = [
             (1 - hits.mirrored) * rough,
             hits.mirrored * (mirrored + SPECULAR_DIFFUSE * rough),
@@ -112,20 +116,14 @@ def uniform_from_places(seed: int, places: ArrayLike, count: int) -> Array:
     """Uniform numbers (N, count) in (0, 1) that depend on the seed and on places (N, 2) only."""
     # places, whole numbers of 32 bits, are mixed as in SplitMix64 (Steele et al., OOPSLA 2014)
     pair = np.asarray(places).astype(np.int64).view(np.uint64)
-    start = _mixed(np.array([seed & (2**64 - 1), 7], np.uint64))
+    start = hash_array(np.array([seed & WORD, 7], np.uint64))
     # arrays of unsigned integers wrap round without a warning
     first = pair[:, :1] << 32
     word = first ^ (pair[:, 1:] & 0xFFFFFFFF)
     column = np.arange(1, count + 1, dtype=np.uint64) * 0x9E3779B97F4A7C15
-    mixed = _mixed(_mixed(word ^ start[:1]) + start[1:] + column)
-    return ((mixed >> 11).astype(float) + 0.5) / 2.0**53
-
-
-def _mixed(word: NDArray) -> NDArray:
-    """Bits of 64-bit words, mixed."""
-    word = (word ^ (word >> 30)) * 0xBF58476D1CE4E5B9
-    word = (word ^ (word >> 27)) * 0x94D049BB133111EB
-    return word ^ (word >> 31)
+    row = hash_array(word ^ start[:1])
+    mixed = hash_array(row + start[1:] + column)
+    return ((mixed >> 11) + 0.5) / 2.0**53
 
 
 def outward(settings: TwinSettings) -> float:

@@ -47,20 +47,17 @@ class RfRanger:
 
     settings: TwinSettings = field(default_factory=TwinSettings)
     mode: str = "single"
-    calibrated: bool = (
-        True  # offset and imbalance are taken away; the zero is set in any case
-    )
+    # Offset and imbalance are taken away; the zero is set in any case
+    calibrated: bool = True
     points: int = 100
     visits: int = 8
     age: float = 600.0  # s from the calibration to the first position (assumed)
     step_time: float = 1.0  # s from one position to the next (assumed)
     stage_error: float = STAGE_ERROR
-    time: float = (
-        320 / SAMPLE_RATE
-    )  # s for a point, that of the all-optical instrument (Sec. 7.2)
-    responsivity: float = (
-        0.2  # A/W, photodiode ET-4000 at 532 nm (assumed: efficiency 0.47)
-    )
+    # s for a point, that of the all-optical instrument (Sec. 7.2)
+    time: float = 320 / SAMPLE_RATE
+    # A/W, photodiode ET-4000 at 532 nm (assumed: efficiency 0.47)
+    responsivity: float = 0.2
     bandwidth: float = 12e9  # Hz, first order (Sec. 7.4)
     dark_current: float = 0.5e-9  # A (known)
     diameter: float = 60e-6  # m (known): the whole image of the spot does not fit on it
@@ -70,25 +67,21 @@ class RfRanger:
     noise_figure: float = 3.0  # dB (known)
     filter_loss: float = 1.5  # dB, band-pass (assumed)
     return_loss: float = 10.0  # dB, of both together as the mixer sees them (assumed)
-    conversion_loss: float = (
-        9.0  # dB, I/Q mixer HMC8193 (data sheet Rev. B), as the next four
-    )
+    # dB, I/Q mixer HMC8193 (data sheet Rev. B), as the next four
+    conversion_loss: float = 9.0
     mixer_noise_figure: float = 11.5  # dB
     amplitude_imbalance: float = 0.5  # dB, Q over I
     phase_imbalance: float = 0.08726646  # rad, 5 degrees
     lo_isolation: float = 48.0  # dB; what passes is thrown back and mixes with itself
     lo_power: float = 18.0  # dBm (known for this class)
-    noise_density: float = (
-        5e-9  # V/sqrt(Hz), of the amplifier behind the mixer (assumed)
-    )
+    # V/sqrt(Hz), of the amplifier behind the mixer (assumed)
+    noise_density: float = 5e-9
     baseband_gain: float = 1000.0  # of that amplifier (assumed)
     drive_power: float = 30.0  # dBm, of the crystal (assumed)
-    isolation: float = (
-        100.0  # dB, from that drive into the photodiode's cable (assumed)
-    )
-    drift: float = (
-        1e-3  # of offsets and imbalances since the calibration, relative, rms (assumed)
-    )
+    # dB, from that drive into the photodiode's cable (assumed)
+    isolation: float = 100.0
+    # Of offsets and imbalances since the calibration, relative, rms (assumed)
+    drift: float = 1e-3
 
     @property
     def noise_factor(self) -> float:
@@ -151,7 +144,8 @@ class RfRanger:
         z = np.asarray(ranges, float)
         half = self.settings.field_of_view / 2 * self.diameter / self.reference_diameter
         with np.errstate(divide="ignore"):
-            return 1 - np.exp(-2 * (half * z / spot_radius(self.settings, z)) ** 2)
+            edge = half * z / spot_radius(self.settings, z)
+        return 1 - np.exp(-2 * edge**2)
 
     def power(self, target: Plane, ranges: ArrayLike) -> Array:
         """Mean light on the photodiode, W; a mirror's beam is focused to a point (assumed)."""
@@ -205,9 +199,8 @@ class RfRanger:
             self.settings.back_range,
             turn,
         )
-        noise = (
-            self.noise(light) / np.sqrt(averaged) * circular_normals(rng, times.size)
-        )
+        noise = self.noise(light) / np.sqrt(averaged)
+        noise = noise * circular_normals(rng, times.size)
         return self._read(constant + (own + back) + noise, rng)
 
     def _read(self, envelopes: Complex, rng: Generator) -> Complex:
@@ -224,7 +217,8 @@ class RfRanger:
     def _offset(self, slow: list[Array], rng: Generator) -> Complex:
         """Envelope without light, V, as it drifts."""
         constant = self.offsets @ np.exp(2j * np.pi * rng.random(2))
-        return constant * (1 + self.drift * (slow[0] + 1j * slow[1]))
+        moved = slow[0] + 1j * slow[1]
+        return constant * (1 + self.drift * moved)
 
     def _averaged(self, count: int) -> Numbers:
         """Points that each reading averages: many for the zero and for the blocked beam."""
@@ -259,7 +253,8 @@ class RfRanger:
 
     def _seen(self, light: Array, place: ArrayLike, turn: Array) -> Complex:
         """Envelope, V, of light, W, from a range, m, with an error of phase, rad."""
-        return self.envelope(light) * np.exp(1j * (self.phase(place) + turn))
+        phase = self.phase(place) + turn
+        return self.envelope(light) * np.exp(1j * phase)
 
 
 def skewed(phasor: ArrayLike, gain: ArrayLike, error: ArrayLike) -> Complex:
@@ -275,7 +270,8 @@ def rf_image(ranger: RfRanger, target: Target, angles: Array, *, seed: int) -> A
     seen = ranger.seen_share(np.maximum(paths.range, 1e-3))
     power = ranger.sent * paths.fraction * seen
     # each ray of the spot has a phase of its own: on a slope they partly cancel
-    rays = ranger.envelope(power) * np.exp(1j * ranger.phase(paths.range))
+    phase = ranger.phase(paths.range)
+    rays = ranger.envelope(power) * np.exp(1j * phase)
     rng = np.random.default_rng([seed, 16, ranger.mode == "doubled"])
     noise = ranger.noise(power.sum(-1))
     read = rays.sum(-1) + noise * circular_normals(rng, noise.size)

@@ -59,6 +59,11 @@ def photographed_spots(
     return np.minimum(drawn, sensor.full_well) - sensor.ambient
 
 
+def _gaussian(off: Array) -> Array:
+    """Weight of a centroid, off its middle, px."""
+    return np.exp(-(off**2) / 2 / WEIGHT**2)
+
+
 def place_spots(windows: ArrayLike, sensor: Sensor) -> Arrays:
     r"""Centres (N, 2) and their standard deviations (N,), px, of the spots in windows (N, S, S).
 
@@ -74,7 +79,7 @@ def place_spots(windows: ArrayLike, sensor: Sensor) -> Arrays:
     centre = np.full((len(light), 2), middle)
     for _ in range(12):
         x, y = np.arange(light.shape[-1]) + 0.5 - centre.T[..., None]
-        weight = np.exp(-(x[:, None, :] ** 2 + y[:, :, None] ** 2) / 2 / WEIGHT**2)
+        weight = _gaussian(x)[:, None, :] * _gaussian(y)[:, :, None]
         lit = weight * light
         total = np.maximum(lit.sum((1, 2)), 1e-9)
         off = [
@@ -82,9 +87,11 @@ def place_spots(windows: ArrayLike, sensor: Sensor) -> Arrays:
             (lit.sum(2) * y).sum(1) / total,
         ]
         centre = centre + np.clip(2 * np.stack(off, 1), -1, 1)
-    noise = weight**2 * (np.maximum(light, 0) + sensor.ambient + sensor.read_noise**2)
+    noise = np.maximum(light, 0) + sensor.ambient + sensor.read_noise**2
+    noise *= weight**2
     sigma = np.sqrt((noise.sum(1) * x**2).sum(1))
-    sigma = sigma / np.maximum((lit.sum(1) * (1 - x**2 / WEIGHT**2)).sum(1), 1e-9)
+    lit = lit.sum(1) * (1 - x**2 / WEIGHT**2)
+    sigma = sigma / np.maximum(lit.sum(1), 1e-9)
     lost = total < 6 * np.sqrt(noise.sum((1, 2)))
     lost |= (np.abs(centre - middle) > 2).any(1)
     lost |= light.max((1, 2)) >= sensor.full_well - sensor.ambient

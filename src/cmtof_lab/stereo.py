@@ -25,8 +25,9 @@ from cmtof_lab.targets import MeshTarget
 COLUMNS = 9  # inner corners of the checkerboard
 ROWS = 6
 SQUARE = 0.04  # side of a square, m
-# those corners (54, 3), m, row by row about the middle of the board
-BOARD = SQUARE * (np.mgrid[:COLUMNS, :ROWS, :1].T.reshape(-1, 3) - [4, 2.5, 0])
+_GRID = np.mgrid[:COLUMNS, :ROWS, :1].T.reshape(-1, 3)
+# Those corners (54, 3), m, row by row about the middle of the board
+BOARD = SQUARE * (_GRID - [4, 2.5, 0])
 
 
 @dataclass(frozen=True, eq=False)
@@ -35,9 +36,8 @@ class StereoRig:
 
     matrices: Array  # (2, 3, 3): focal lengths and centres, px
     distortions: Array  # (2, 5): Brown's, in OpenCV's order
-    poses: tuple[
-        RigidTransform, RigidTransform
-    ]  # from the scanner's frame, m, to each camera's
+    # From the scanner's frame, m, to each camera's
+    poses: tuple[RigidTransform, RigidTransform]
     shape: Shape  # height and width of the images, px
 
     @property
@@ -121,11 +121,11 @@ def board_poses(rig: StereoRig, count: int, *, rng: Generator) -> list[RigidTran
     while len(poses) < count:
         tilt = np.deg2rad(rng.uniform(15, 40))
         about = rng.uniform(0, TAU)
-        lean = Rotation.from_rotvec([tilt * np.cos(about), tilt * np.sin(about), 0])
+        axis = [np.cos(about), np.sin(about), 0]
+        lean = Rotation.from_rotvec(np.multiply(tilt, axis))
         turn = lean * Rotation.from_rotvec([0, 0, rng.uniform(-0.4, 0.4)])
-        place = np.append(rng.uniform(-1, 1, 2) * [0.14, 0.10], 1) * rng.uniform(
-            0.9, 1.3
-        )
+        aside = rng.uniform(-1, 1, 2) * [0.14, 0.10]
+        place = np.append(aside, 1) * rng.uniform(0.9, 1.3)
         pose = RigidTransform.from_components(place, turn)
         outline = rig.project(pose.apply(1.6 * BOARD))
         if ((outline > 0) & (outline < rig.shape[::-1])).all():
@@ -211,9 +211,8 @@ def scan_spots(
     for k in range(2):
         rate, width = _spot_light(frame, points, rig, k, sensor)
         half = np.array(rig.shape[::-1]) / 2
-        inside = (abs(pixels[k] - half) < half - WINDOW).all(
-            -1
-        )  # the window lies in the image
+        # the window lies in the image
+        inside = (abs(pixels[k] - half) < half - WINDOW).all(-1)
         corner = np.floor(pixels[k, inside]) - WINDOW // 2
         place = pixels[k, inside] - corner
         place += sensor.speckle * rng.standard_normal(corner.shape)
@@ -229,11 +228,13 @@ def _spot_light(
     """Electrons (H, W) of each spot in camera k, none where hidden, and its width, px."""
     away = rig.centres[k] - points
     distance = np.linalg.norm(away, axis=-1)
-    facing = (normals_from_points(points) * away).sum(-1)
+    facing = np.vecdot(normals_from_points(points), away)
     cosine = np.clip(facing / distance, 0.02, 1)
     rate = np.clip(frame.intensity, 0, 1) * cosine / distance**2
-    width = np.hypot(sensor.blur, sensor.beam * rig.matrices[k, 0, 0] / distance)
-    rate *= 0.7 * sensor.full_well / np.nanpercentile(rate / TAU / width**2, 99)
+    spot = sensor.beam * rig.matrices[k, 0, 0] / distance
+    width = np.hypot(sensor.blur, spot)
+    peak = rate / TAU / width**2
+    rate *= 0.7 * sensor.full_well / np.nanpercentile(peak, 99)
     rate[~visible_from(points, rig.centres[k])] = 0
     return rate, width
 
@@ -268,11 +269,12 @@ def truth_from_spots(
     depth = np.where(known, found, 0.0)
     reach = np.where(known, sigmas * spread, np.inf)
     if phase is None:
-        sure = np.floor((depth - reach) / WRAP) == np.floor((depth + reach) / WRAP)
+        farthest = np.floor((depth + reach) / WRAP)
+        sure = np.floor((depth - reach) / WRAP) == farthest
         wraps = np.floor(depth / WRAP).astype(np.int64)
     else:
         phase = np.asarray(phase, float)
-        reach = np.hypot(reach, sigmas * np.asarray(phase_noise) * WRAP / TAU)
+        reach = np.hypot(reach, sigmas * np.multiply(phase_noise, WRAP / TAU))
         sure = np.isfinite(phase) & (reach < WRAP / 2)
         wraps = consistent_wrap_count(depth, np.nan_to_num(phase), FREQUENCY_SINGLE)
         depth = depth_from_wraps(phase, wraps, FREQUENCY_SINGLE)
@@ -284,9 +286,10 @@ def truth_from_spots(
 def _ranges(spots: Spots, rig: StereoRig, draws: Sequence[StereoRig]) -> Arrays:
     """Ranges from the scanner, m, and their deviations by noise of spots and calibration."""
     points = rig.triangulate(spots.pixels)
-    missed = ((spots.pixels - rig.project(points)) / spots.sigma[..., None]) ** 2
+    missed = spots.pixels - rig.project(points)
+    missed /= spots.sigma[..., None]
     # chi^2 across the epipolar line: a right pair exceeds 12 in 0.05 % of cases
-    points[missed.sum((0, -1)) > 12] = np.nan
+    points[(missed**2).sum((0, -1)) > 12] = np.nan
     found = np.linalg.norm(points, axis=-1)
     variance = np.zeros(found.shape)
     step = 0.05  # px

@@ -20,9 +20,8 @@ from cmtof_lab.optics import inward, returned_fractions, sent_power, trace
 from cmtof_lab.settings import TwinSettings
 from cmtof_lab.targets import Plane, RayEnds
 
-POSITIONS = 5e-5 * np.arange(
-    21
-)  # Stage positions, m: 1 mm in steps of 50 um (Sec. 8.2)
+# Stage positions, m: 1 mm in steps of 50 um (Sec. 8.2)
+POSITIONS = 5e-5 * np.arange(21)
 STAGE_ERROR = 5e-8  # Error of a position of the stage, rms, m (Sec. 8.2)
 WRAP = float(wrap_length(FREQUENCY_SINGLE))  # m
 

@@ -17,9 +17,8 @@ from cmtof.frame import ray_lengths, rays_from_camera
 from cmtof.scenes import Frame, load_frame
 from cmtof.types import Array, Arrays, Fields, Flags, Numbers
 
-LARGEST_STEP = (
-    0.02  # Neighbouring pixels whose depths differ by a smaller share: one surface
-)
+# Neighbouring pixels whose depths differ by a smaller share: one surface
+LARGEST_STEP = 0.02
 SURFACE = 3e-3  # How near to a point its own surface may be met, m
 
 
@@ -63,9 +62,8 @@ class Plane:
 
 
 PLATE = Plane(0.60)  # Diffuse target of Sec. 8.2
-MIRROR = Plane(
-    0.60, reflectance=0.97, mirrored=1.0
-)  # Silvered PF10-03-P01 (known, at 532 nm)
+# Silvered PF10-03-P01 (known, at 532 nm)
+MIRROR = Plane(0.60, reflectance=0.97, mirrored=1.0)
 
 
 class FrameTarget:
@@ -94,7 +92,8 @@ class FrameTarget:
         v = np.where(seen, v, 0.0)
         nearest = v.astype(int), u.astype(int)
         with np.errstate(divide="ignore", invalid="ignore"):
-            reach = np.where(seen, 1 / (self._inverse_at(u, v) * forward), np.nan)
+            reach = 1 / (self._inverse_at(u, v) * forward)
+        reach = np.where(seen, reach, np.nan)
         return RayEnds(reach, self._cosine[nearest], self._reflectance[nearest])
 
     def _pixels(self, directions: Array) -> Arrays:
@@ -104,21 +103,21 @@ class FrameTarget:
         with np.errstate(divide="ignore", invalid="ignore"):
             x = right / forward
             y = down / forward
-            return fx * x + sum(skew) * y + cx, fy * y + cy
+            u = fx * x + sum(skew) * y + cx
+        return u, fy * y + cy
 
     def _inverse_at(self, u: Array, v: Array) -> Array:
         """Inverse depth, 1/m, exact on planes; across a step that of the nearest pixel."""
         height, width = self._inverse.shape
         i = np.clip(v - 0.5, 0, height - 2).astype(int)
         j = np.clip(u - 0.5, 0, width - 2).astype(int)
-        corners = np.stack(
-            [self._inverse[i + m, j + n] for m in (0, 1) for n in (0, 1)]
-        )
-        left, right = corners.reshape(2, 2, *u.shape).swapaxes(0, 1)
+        aside = np.arange(2).reshape(2, *[1] * u.ndim)
+        corners = self._inverse[i + aside[:, None], j + aside]
+        left, right = corners.swapaxes(0, 1)
         above, below = left + (u - 0.5 - j) * (right - left)
         smooth = above + (v - 0.5 - i) * (below - above)
         return np.where(
-            np.ptp(corners, axis=0) < LARGEST_STEP * corners.min(axis=0),
+            np.ptp(corners, axis=(0, 1)) < LARGEST_STEP * corners.min(axis=(0, 1)),
             smooth,
             self._inverse[v.astype(int), u.astype(int)],
         )
@@ -130,9 +129,9 @@ def _cosines(planar: Array, rays: Array) -> Array:
     down = _smaller_step(points.swapaxes(0, 1)).swapaxes(0, 1)
     normal = np.cross(_smaller_step(points), down)
     with np.errstate(invalid="ignore", divide="ignore"):
-        size = np.linalg.norm(normal, axis=-1) * np.linalg.norm(rays, axis=-1)
-        along = (normal * rays).sum(-1)
-        cosine = np.abs(along) / size
+        size = np.linalg.norm(normal, axis=-1)
+        along = np.vecdot(normal, rays)
+        cosine = np.abs(along) / size / np.linalg.norm(rays, axis=-1)
     return np.clip(np.nan_to_num(cosine, nan=1.0), 0, 1)
 
 
@@ -142,7 +141,8 @@ def _smaller_step(points: Array) -> Array:
     left = step[:, :-1]
     right = step[:, 1:]
     size = np.nan_to_num(np.abs(step[..., 2:]), nan=np.inf)
-    return np.where(size[:, :-1] < size[:, 1:], left, right)
+    nearer = size[:, :-1] < size[:, 1:]
+    return np.where(nearer, left, right)
 
 
 @dataclass(frozen=True, eq=False)
@@ -181,7 +181,7 @@ class MeshTarget:
         weights[~met] = [1, 0, 0]
         for held in (self.reflectance, self.mirrored):
             there = np.broadcast_to(held, len(self.vertices))[corners]
-            found.append((there * weights).sum(-1))
+            found.append(np.vecdot(there, weights))
         return RayEnds(*(one.reshape(directions.shape[:-1]) for one in found))
 
     def _plane_met(self, rays: Array, corners: Numbers) -> Arrays:
@@ -189,9 +189,9 @@ class MeshTarget:
         a, b, c = np.asarray(self.vertices, float)[corners].swapaxes(0, 1)
         normal = np.cross(b - a, c - a)
         with np.errstate(divide="ignore", invalid="ignore"):
-            along = (rays * normal).sum(-1)
-            cosine = np.nan_to_num(np.abs(along) / np.linalg.norm(normal, axis=-1))
-            return (a * normal).sum(-1) / along, cosine
+            along = np.vecdot(rays, normal)
+            cosine = np.abs(along) / np.linalg.norm(normal, axis=-1)
+            return np.vecdot(a, normal) / along, np.nan_to_num(cosine)
 
     def hidden(self, points: Array, eye: ArrayLike) -> Flags:
         """Whether something stands between points (..., 3) of the surface and an eye (3,), m."""
