@@ -5,7 +5,6 @@ from itertools import product
 import numpy as np
 from hypothesis import given
 from hypothesis import strategies as st
-from numpy.testing import assert_allclose
 from pytest import approx, mark
 
 import cmtof
@@ -28,35 +27,23 @@ def random_field(rng, height, width, labels):
     )
 
 
-def viterbi(cost, step):
-    """Least cost of a chain through each label at each of its pixels (W, N), pair by pair."""
-    n = np.arange(cost.shape[1])
-    ends = []
-    for order in (1, -1):
-        total = [cost[::order][0]]
-        signed = step if order == 1 else -step[::-1]
-        for own, d in zip(cost[::order][1:], signed, strict=True):
-            pair = np.minimum(mrf.JUMP * np.abs(n[None, :] - n[:, None] - d), mrf.MOST)
-            total.append(own + (total[-1][:, None] + pair).min(axis=0))
-        ends.append(np.array(total)[::order])
-    return ends[0] + ends[1] - cost
-
-
-@mark.parametrize("labels", [1, 2, 7, 21])
-@mark.parametrize("shape", [(1, 40), (40, 1)])
+@mark.parametrize("labels", [1, 2, 5])
+@mark.parametrize("shape", [(1, 6), (6, 1)])
 def test_one_row_is_the_best_chain(rng, shape, labels):
+    """Of all chains, tried one after the other."""
     field = random_field(rng, *shape, labels)
-    phase = field.phase.ravel()
-    step = np.rint((phase[:-1] - phase[1:]) / TAU)
-    unary = np.stack(
-        [field.unary(np.full(shape, one)).ravel() for one in range(labels)], axis=1
-    )
-    cost = viterbi(unary.astype(float), step)
-    least = cost.min(axis=1, keepdims=True)
+    chains = np.array([*product(range(labels), repeat=6)])
+    told = np.rint(np.diff(field.phase.ravel()) / TAU)
+    steps = mrf.JUMP * np.abs(np.diff(chains, axis=1) + told)
+    cost = np.minimum(steps, mrf.MOST).sum(axis=1)
+    cost += [field.unary(one.reshape(shape)).sum() for one in chains]
     found, odds = mrf.semi_global_labels(field)
-    assert_allclose(np.take_along_axis(cost, found.reshape(40, 1), 1), least, atol=1e-5)
-    share = np.exp(-(cost - least) / mrf._TEMPERATURE).sum(axis=1)
-    assert_allclose(odds.ravel(), 1 / share, rtol=1e-3)
+    for pixel in range(6):
+        through = [cost[chains[:, pixel] == one].min() for one in range(labels)]
+        off = np.subtract(through, cost.min())
+        assert off[found.ravel()[pixel]] == approx(0, abs=1e-5)
+        share = np.exp(-off / mrf._TEMPERATURE).sum()
+        assert odds.ravel()[pixel] == approx(1 / share, rel=1e-3)
 
 
 @mark.parametrize("method", ["mrf", "mrf-graphcut"])

@@ -1,11 +1,10 @@
 """Windows, densities and regions: exact on walls, their sums those of plain loops."""
 
-import itertools
-
 import numpy as np
 from numpy.testing import assert_allclose
 from pytest import approx, mark
 from scipy.ndimage import uniform_filter
+from scipy.stats import norm
 
 import cmtof
 from cmtof import bounds
@@ -51,17 +50,17 @@ def test_guided_filter_passes_linear_functions_and_tends_to_the_mean(rng):
 
 def densities(m, kernel, radius):
     """D (H, W, N) by the sum as it is written, over neighbours and their wraps."""
-    weights = np.moveaxis(np.stack(list(hypotheses(m))).astype(float), 0, -1)
-    turns = m.phase[0] / TAU
-    steps = np.arange(weights.shape[2])
-    window = np.exp(-((np.arange(-radius, radius + 1) / max(radius / 2, 0.5)) ** 2) / 2)
-    out = np.zeros(weights.shape)
-    for (y, x), (v, u) in itertools.product(np.ndindex(m.shape), repeat=2):
-        if max(abs(v - y), abs(u - x)) <= radius:
-            apart = turns[y, x] - turns[v, u] + steps[:, None] - steps
-            near = window[v - y + radius] * window[u - x + radius]
-            out[y, x] += near * np.exp(-((apart / kernel) ** 2) / 2) @ weights[v, u]
-    return out / window.sum() ** 2
+    weights = np.array([*hypotheses(m)], float).reshape(-1, m.phase[0].size)
+    turns = m.phase[0].ravel() / TAU + np.arange(len(weights))[:, None]
+    side = np.arange(-radius, radius + 1)
+    window = norm.pdf(side, scale=max(radius / 2, 0.5))
+    out = []
+    for place, own in zip(np.ndindex(m.shape), turns.T, strict=True):
+        v, u = np.indices(m.shape).reshape(2, -1) - np.reshape(place, (2, 1))
+        near = np.interp(v, side, window, 0, 0) * np.interp(u, side, window, 0, 0)
+        apart = (own[:, None, None] - turns) / kernel
+        out.append((np.exp(-(apart**2) / 2) * weights * near).sum((1, 2)))
+    return np.reshape(out, (*m.shape, -1)) / window.sum() ** 2
 
 
 @mark.parametrize(("kernel", "radius"), [(0.25, 5), (0.3, 0), (2.0, 3)])

@@ -4,16 +4,15 @@ import numpy as np
 from numpy.testing import assert_allclose, assert_array_equal
 from pytest import approx, fixture, mark, raises
 
-from cmtof.correlation import centred, phase_from_depth
+from cmtof.correlation import phase_from_depth
 from cmtof.hardware.journal import append, begun, whole_lines
 from cmtof.hardware.plan import Record, planned
 from cmtof.hardware.reduction import (
     calibrate,
-    drive_phases,
     nominal_psi,
     sums_from_counts,
 )
-from cmtof.hardware.rig import MODES, Rig
+from cmtof.hardware.rig import Rig
 
 RIG = Rig.default()
 PLAN = planned(RIG, size=4)
@@ -57,12 +56,6 @@ def test_sums_drop_the_settling_samples_and_count_what_clips():
     assert sums[0, 0] == counts[0, 17:].sum()
     assert sums[0, 3] == counts[3, 4:].sum()
     assert clipped.tolist() == [2]
-
-
-@mark.parametrize(("mode", "order"), MODES.items())
-def test_drive_steps_psi_through_one_turn(mode, order):
-    psi = -order * drive_phases(16, mode)
-    assert_allclose(centred(psi - nominal_psi(16)), 0, atol=1e-12)
 
 
 @mark.parametrize("stray", [0.0, 0.3])

@@ -47,29 +47,6 @@ def test_each_instrument_follows_the_stage(bench_of, way, worst):
     assert not (panel.beam_block_out or panel.shutter_open)
 
 
-WAYS = {  # target, photodiode and reference mirror in the beam
-    ("reference", "scan"): (False, False, False),
-    ("reference", "reference"): (True, False, False),
-    ("reference", "interferometer"): (True, False, True),
-    ("photodiode", "scan"): (False, False, False),
-    ("photodiode", "reference"): (True, False, False),
-    ("photodiode", "rf"): (True, True, False),
-    ("photodiode", "interferometer"): (True, False, True),
-}
-
-
-@mark.parametrize(("leads", "kind"), WAYS)
-def test_the_light_goes_where_it_should(leads, kind):
-    bench = simulated_bench(
-        replace(RIG, flip_mirror=leads, reference_direction_deg=(3.0, -2.0))
-    )
-    bench.look_at(kind)
-    panel = bench.daq.panel
-    found = panel.target_in_beam, panel.photodiode_lit, panel.beam_block_out
-    assert found == WAYS[leads, kind]
-    assert panel.shutter_open
-
-
 def test_what_a_bench_lacks_or_cannot_measure_is_said(bench_of):
     with raises(ValueError, match="Expected flip_mirror: photodiode, got reference"):
         sweep(bench_of(KNOWN, Rig.default()), "rf", [0.0])

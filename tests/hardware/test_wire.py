@@ -169,15 +169,6 @@ def test_a_read_out_whose_power_comes_back_is_dark_once_that_is_saved(world, lit
     assert not world.lit
 
 
-def test_timers_act_when_nobody_speaks(world, lit):
-    world.silence(4.0)
-    assert world.panel.laser_on
-    assert world.panel.emission.on
-    world.silence(2.0)
-    assert world.dark
-    assert world.models["rf_emission"].tripped
-
-
 SCAN = [
     sys.executable,
     "-m",

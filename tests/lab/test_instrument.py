@@ -12,7 +12,6 @@ from scipy.special import jv
 from cmtof.constants import SPEED_OF_LIGHT
 from cmtof.correlation import centred, decode
 from cmtof_book import ROOT
-from cmtof_lab.electronics import Chain, density
 from cmtof_lab.instrument import (
     BURST_INTERVAL,
     DRIFT_RMS,
@@ -105,29 +104,6 @@ def test_drift_is_bounded_with_its_rms_and_follows_the_labels():
     )
     phases = [decode(one, PSI).phase for one in seen]
     assert_allclose(centred(np.diff(phases) + np.diff(lag)), 0, atol=5e-3)
-
-
-@mark.parametrize("mode", MODES)
-def test_phase_noise_of_a_point_meets_the_closed_form(mode):
-    instrument, count = (
-        SimulatedInstrument(NOISY, Plane(0.8, reflectance=0.3), seed=1),
-        3000,
-    )
-    seen = profile(instrument, ready(mode), np.zeros((count, 2)))
-    found = decode(np.moveaxis(seen, 1, 0), PSI)
-    weights = np.where(np.arange(12) == 0, 1, 2) * (12 - np.arange(12)) / 144
-    variance = weights @ Chain(NOISY, 1 / 24000).memory(12)
-    variance = density(NOISY, seen.mean(0)) * variance
-    variance += (NOISY.converter_noise**2 + 1 / 12) * 3.158e-4**2 / 12
-    middle = np.angle(np.exp(1j * found.phase).mean())
-    wanted = (
-        np.sqrt((variance * np.sin(PSI + middle) ** 2).sum())
-        / 8
-        / found.amplitude.mean()
-    )
-    assert centred(found.phase - middle).std() == approx(
-        wanted, rel=4 / np.sqrt(2 * count)
-    )
 
 
 # --- the noise of the published captures

@@ -53,17 +53,6 @@ def test_a_move_is_counted_right_below_a_quarter_wavelength_and_backwards_above(
     assert found == approx(400 * counted, abs=1e-12)
 
 
-@mark.parametrize("lag", [1, 5, 40])
-def test_vibration_has_its_rms_and_its_change(lag):
-    found = Interferometer(quality=5.0).vibration(np.random.default_rng(0), 400_000)
-    assert found.std() == approx(2e-8, rel=0.02)
-    angle = TAU * 30 / 600 * lag
-    spread = np.std(found[lag:] - found[:-lag])
-    assert spread == approx(
-        2e-8 * np.sqrt(2 - 2 * np.exp(-angle / 10) * np.cos(angle)), rel=0.02
-    )
-
-
 def test_fringes_lost_to_vibration():
     """Mean loss of 400 whole sweeps against the closed form."""
     ruler = Interferometer(settings=SILENT, **(STEADY | {"shaking": 120e-9}))
