@@ -34,7 +34,8 @@ def test_search_is_that_over_all_wraps(rng, pair):
     length = wrap_length(pair[0])
     wraps = np.arange(int(0.4 / length), int(np.ceil(7.3 / length)))
     phase = m.phase / TAU
-    misfit = phase[1] - pair[1] / pair[0] * (phase[0] + wraps[:, None, None])
+    turns = np.add.outer(wraps, phase[0])
+    misfit = phase[1] - pair[1] / pair[0] * turns
     misfit -= np.rint(misfit)
     assert_allclose(np.abs(residual) / TAU, np.abs(misfit).min(axis=0), atol=1e-9)
     assert np.isin(found, wraps).all()
@@ -45,14 +46,13 @@ def test_closed_form_survives_errors_up_to_its_bound(rng, offset):
     """An error of less than M/4 in each remainder, of opposite signs, is forgiven; more is not."""
     depth = rng.uniform(0.05, 7.0, (20, 20))
     unit = wrap_length(FREQUENCIES[0]) / 1432
-    signs = zip((1, -1), FREQUENCIES, strict=True)
-    shift = np.stack([phase_from_depth(s * offset * unit / 2, f) for s, f in signs])
+    away = phase_from_depth(offset * unit / 2, np.array(FREQUENCIES))
+    shift = away * [1, -1]
     inner = np.stack([phase_from_depth(depth, f) % TAU for f in FREQUENCIES])
     keep = np.all((inner > 0.01) & (inner < TAU - 0.01), axis=0)
     m = Measurement.from_phase(inner + shift[:, None, None], FREQUENCIES)
-    assert (np.abs(crt.crt_closed_form(m).depth - depth)[keep].max() < 1e-4) == (
-        offset < 0.5
-    )
+    error = np.abs(crt.crt_closed_form(m).depth - depth)
+    assert (error[keep].max() < 1e-4) == (offset < 0.5)
 
 
 @mark.parametrize(("method", "pair"), [("crt", FREQUENCIES), ("phasor", CLOSE)])

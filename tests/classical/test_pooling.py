@@ -51,15 +51,16 @@ def test_guided_filter_passes_linear_functions_and_tends_to_the_mean(rng):
 def densities(m, kernel, radius):
     """D (H, W, N) by the sum as it is written, over neighbours and their wraps."""
     weights = np.array([*hypotheses(m)], float).reshape(-1, m.phase[0].size)
-    turns = m.phase[0].ravel() / TAU + np.arange(len(weights))[:, None]
+    turns = np.add.outer(np.arange(len(weights)), m.phase[0].ravel() / TAU)
     side = np.arange(-radius, radius + 1)
     window = norm.pdf(side, scale=max(radius / 2, 0.5))
     out = []
     for place, own in zip(np.ndindex(m.shape), turns.T, strict=True):
-        v, u = np.indices(m.shape).reshape(2, -1) - np.reshape(place, (2, 1))
-        near = np.interp(v, side, window, 0, 0) * np.interp(u, side, window, 0, 0)
-        apart = (own[:, None, None] - turns) / kernel
-        out.append((np.exp(-(apart**2) / 2) * weights * near).sum((1, 2)))
+        off = np.indices(m.shape).reshape(2, -1).T - place
+        near = np.interp(off, side, window, 0, 0).prod(1)
+        apart = np.subtract.outer(own, turns) / kernel
+        shares = np.exp(-(apart**2) / 2) * weights * near
+        out.append(shares.sum((1, 2)))
     return np.reshape(out, (*m.shape, -1)) / window.sum() ** 2
 
 
@@ -74,7 +75,8 @@ def test_densities_equal_the_sum_as_it_is_written(kernel, radius):
     assert_allclose(best, direct.max(axis=2), atol=0.01 * direct.max())
     assert_allclose(total, direct.sum(axis=2), rtol=0.04)
     ranked = np.sort(direct, axis=2)
-    clear = ranked[..., -1] - ranked[..., -2] > 0.02 * direct.max()
+    lead = ranked[..., -1] - ranked[..., -2]
+    clear = lead > 0.02 * direct.max()
     assert (found == direct.argmax(axis=2))[clear].all()
 
 

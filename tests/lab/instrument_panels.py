@@ -3,6 +3,7 @@
 import numpy as np
 
 from cmtof.correlation import TAU
+from cmtof_lab.electronics import volts_from_counts
 from cmtof_lab.instrument import Panel, RfKnobs
 
 ORDER = {"single": 1, "doubled": 2}
@@ -17,13 +18,20 @@ def ready(mode, **knobs):
     """Everything on; the table steps psi upwards, so the drive steps downwards."""
     rf = {"on": True, "frequency": DRIVE[mode], "power": 30.0}
     table = np.mod(-PSI / ORDER[mode], TAU)
-    on = {"laser_on": True, "shutter_open": True, "clock_on": True} | knobs
-    drives = RfKnobs(**rf), RfKnobs(**rf, table=table)
-    return Panel(*drives, plate_emission=PLATE[mode], plate_detection=PLATE[mode], **on)
+    on = dict.fromkeys(["laser_on", "shutter_open", "clock_on"], True)
+    plate = PLATE[mode]
+    return Panel(
+        RfKnobs(**rf),
+        RfKnobs(**rf, table=table),
+        plate,
+        plate,
+        **on | knobs,
+    )
 
 
 def profile(instrument, panel, angles=((0.0, 0.0),), **options):
     """Mean volts (N, 16) of a burst's phases behind the settling samples."""
     options.setdefault("labels", np.arange(1, len(angles) + 1))
     counts = instrument.bursts(panel, angles, pulses=EDGES, **options)
-    return (counts.reshape(-1, 16, 20)[..., 8:].mean(-1) - 33523.0) * 3.15805780e-4
+    means = counts.reshape(-1, 16, 20)[..., 8:].mean(-1)
+    return volts_from_counts(means)
