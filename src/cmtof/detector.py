@@ -4,7 +4,7 @@ All-optical correlation has no charge buckets, so its noise is Poisson-Gaussian 
 multi-bucket pixel of a correlation camera subtracts two Poisson counts and is Skellam-Gaussian.
 """
 
-from typing import Literal
+from typing import Literal, get_args
 
 import numpy as np
 from numpy.random import Generator
@@ -30,13 +30,18 @@ def poisson_gaussian(
     ``sigma`` is that of the Gaussian noise, counts; float32 means stay float32. Order
     ``"paper"`` adds it to Poisson counts, as Eq. 8 is written; results may be negative. Order
     ``"released"`` does as the authors' released code: Gaussian noise first, clipped at zero, then
-    Poisson counts of that. Raises a ValueError for negative or non-finite means or sigma.
+    Poisson counts of that. Raises a ValueError for another order, and for negative or non-finite
+    means or sigma.
 
     >>> rng = np.random.default_rng(0)
     >>> counts = poisson_gaussian(np.full(100_000, 400.0), rng=rng, sigma=15.0)
     >>> round(counts.std())  # sqrt(400 + 15^2)
     25
     """
+    if order not in get_args(NoiseOrder):
+        raise ValueError(
+            f"Expected order 'paper' or 'released', got {order!r}. Choose one."
+        )
     mean = np.asarray(mean)
     mean = mean if mean.dtype == np.float32 else mean.astype(float)
     _check_counts(mean, sigma)

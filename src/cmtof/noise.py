@@ -60,7 +60,8 @@ def local_phase_noise(phase: ArrayLike, *, window: int = 5) -> Array:
     """
     flat = np.angle(_flattened(phase, window))
     residual = flat.reshape(*flat.shape[:2], -1) @ _left_over(window)
-    return _inner(np.sqrt((residual**2).sum(axis=-1) / (window**2 - 6)), window)
+    square = np.vecdot(residual, residual)
+    return _inner(np.sqrt(square / (window**2 - 6)), window)
 
 
 def local_residual(phase: ArrayLike, *, window: int = 9) -> Array:
@@ -142,7 +143,8 @@ def fit_response(shape: Shape, *, window: int = 9) -> Array:
     """
     kernel = np.zeros(shape)
     kernel[:window, :window] = _fit_kernel(window)
-    return np.fft.fft2(np.roll(kernel, (-(window // 2),) * 2, axis=(0, 1))).real
+    back = -(window // 2)
+    return np.fft.fft2(np.roll(kernel, (back, back), axis=(0, 1))).real
 
 
 def power_spectrum(values: ArrayLike, mask: ArrayLike) -> Array:
@@ -163,7 +165,8 @@ def power_spectrum(values: ArrayLike, mask: ArrayLike) -> Array:
             f"Expected finite values within a mask of shape {values.shape}, got a mask of shape "
             f"{mask.shape} with {mask.sum()} pixels. Choose another region."
         )
-    return np.abs(np.fft.fft2(np.where(mask, values, 0))) ** 2 / mask.sum()
+    waves = np.fft.fft2(np.where(mask, values, 0))
+    return np.abs(waves) ** 2 / mask.sum()
 
 
 def noise_from_spectrum(spectrum: ArrayLike, *, rng: Generator) -> Array:
@@ -188,10 +191,9 @@ class LineNoise(NamedTuple):
     def spectrum(self, shape: Shape) -> Array:
         """Power spectrum (H, W) at the frequencies of a Fourier transform, rad^2."""
         ky, kx = (TAU * np.fft.fftfreq(size) for size in shape)
-        grain = np.outer(
-            1 + 2 * self.down * np.cos(ky), 1 + 2 * self.across * np.cos(kx)
-        )
-        power = self.white**2 * grain
+        along = 1 + 2 * self.down * np.cos(ky)
+        across = 1 + 2 * self.across * np.cos(kx)
+        power = self.white**2 * np.outer(along, across)
         power[0] += shape[0] * self.line**2
         return power
 
@@ -210,11 +212,12 @@ def fit_line_noise(
     level = np.sqrt(measured.mean())
     response = fit_response((mask.shape[0], mask.shape[1]), window=window) ** 2
     passed = response > 0.5
-    overlap = np.fft.ifft2(np.abs(np.fft.fft2(mask)) ** 2 / mask.sum())
+    overlap = np.fft.ifft2(power_spectrum(mask, mask))
 
     def noise(q: Array) -> LineNoise:
-        grain, line = level * np.exp(q[:2])
-        return LineNoise(float(grain), float(line), *(0.5 * np.tanh(q[2:])).tolist())
+        sizes = level * np.exp(q[:2])
+        correlations = 0.5 * np.tanh(q[2:])
+        return LineNoise(*sizes.tolist(), *correlations.tolist())
 
     def cost(q: Array) -> float:
         covariance = np.fft.ifft2(noise(q).spectrum(measured.shape) * response)
@@ -272,5 +275,6 @@ def intensity_from_phase_noise(phase_noise: float, sigma: ArrayLike) -> Array:
     The positive root I of `sigma_from_phase_noise`; beyond 1 less noisy than simulated white paper.
     """
     square = 2 * (linear_from_spread(phase_noise) / np.pi) ** 2
-    signal = (0.5 + np.sqrt(0.25 + 4 * square * np.square(sigma))) / (2 * square)
+    root = np.sqrt(0.25 + 4 * square * np.square(sigma))
+    signal = (0.5 + root) / (2 * square)
     return signal / (GAIN * INTEGRATION_TIME)

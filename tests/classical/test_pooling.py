@@ -41,7 +41,7 @@ def test_averages_divide_the_noise_by_the_side_of_the_window(flat_wall):
 
 def test_guided_filter_passes_linear_functions_and_tends_to_the_mean(rng):
     guide = rng.normal(size=(3, 40, 50))
-    linear = guide[0] - 2 * guide[1] + 3j * guide[2] + (1 - 1j)
+    linear = 1 - 1j + np.tensordot([1, -2, 3j], guide, 1)
     found = guided_filter(linear, guide, rng.uniform(0.1, 1, (40, 50)), 11, 1e-9)
     assert_allclose(found, linear, atol=1e-5)
     smooth = guided_filter(linear, guide, np.ones((40, 50)), 11, 1e9)
@@ -50,8 +50,10 @@ def test_guided_filter_passes_linear_functions_and_tends_to_the_mean(rng):
 
 def densities(m, kernel, radius):
     """D (H, W, N) by the sum as it is written, over neighbours and their wraps."""
-    weights = np.array([*hypotheses(m)], float).reshape(-1, m.phase[0].size)
-    turns = np.add.outer(np.arange(len(weights)), m.phase[0].ravel() / TAU)
+    weights = np.array([*hypotheses(m)], float)
+    weights = weights.reshape(len(weights), -1)
+    turns = m.phase[0].ravel() / TAU
+    turns = np.add.outer(np.arange(len(weights)), turns)
     side = np.arange(-radius, radius + 1)
     window = norm.pdf(side, scale=max(radius / 2, 0.5))
     out = []
@@ -82,9 +84,8 @@ def test_densities_equal_the_sum_as_it_is_written(kernel, radius):
 
 def test_spatial_unwrapping_follows_a_slope_over_many_wraps(exact):
     x = np.linspace(0, 1, 80)
-    m = exact(
-        0.9 + 0.2 * x[None, :] + 0.05 * x[:60, None], range_min=0.8, range_max=1.2
-    )
+    depth = np.add.outer(0.9 + 0.05 * x[:60], 0.2 * x)
+    m = exact(depth, range_min=0.8, range_max=1.2)
     relative = region.relative_phase(m) - phase_from_depth(m.depth, 7.15e9)
     assert np.ptp(relative) < 1e-9
     assert np.ptp(cmtof.unwrap(m, method="spatial").depth.to_numpy() - m.depth) < 1e-6
@@ -118,5 +119,6 @@ def test_pooled_noise_is_that_of_the_sum(rng):
     """Of 300 sums of 100 phasors with noise of one fifth, to three standard errors."""
     noise = 0.2 * rng.normal(size=(300, 1, 200)).view(complex)
     found = [region.pool(1 + one, np.zeros((1, 100), int)) for one in noise]
-    assert np.std([one.phase[0] for one in found]) == approx(0.02, rel=0.13)
-    assert np.mean([one.spread[0] for one in found]) == approx(0.02, rel=0.02)
+    phase, spread = np.squeeze(found).T
+    assert phase.std() == approx(0.02, rel=0.13)
+    assert spread.mean() == approx(0.02, rel=0.02)

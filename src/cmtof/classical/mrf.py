@@ -48,10 +48,13 @@ class Field(NamedTuple):
 
     def unary(self, labels: Numbers) -> Array:
         """Cost (H, W) of labels (H, W) but for a constant."""
-        cosine, sine = (
-            f(self.angles).astype(np.float32)[labels] for f in (np.cos, np.sin)
-        )
+        cosine, sine = self.waves[:, labels]
         return -(self.beat[..., 0] * cosine + self.beat[..., 1] * sine)
+
+    @property
+    def waves(self) -> Single:
+        """Cosine and sine (2, N) of the angles."""
+        return np.stack([np.cos(self.angles), np.sin(self.angles)]).astype(np.float32)
 
     def depth(self, labels: Numbers, measurement: Measurement) -> Array:
         """Depth (H, W), m, of labels (H, W)."""
@@ -166,10 +169,13 @@ def _coherent_mean(
 
 def semi_global_labels(field: Field) -> tuple[Numbers, Single]:
     """Labels (H, W) of least cost summed over eight paths, and their softmax; see `mrf`."""
-    cosine, sine = (f(field.angles).astype(np.float32) for f in (np.cos, np.sin))
+    cosine, sine = field.waves
     total = np.zeros((*field.phase.shape, cosine.size), np.float32)
     for down, right in PATHS:
-        _add_path(field.beat, field.phase, cosine, sine, down, right, total)
+        # each goes down and to the right in images turned over
+        turned = np.s_[:: down or 1, :: right or 1]
+        images = field.beat[turned], field.phase[turned], cosine, sine
+        _add_path(*images, abs(down), abs(right), total[turned])
     labels = np.empty(field.phase.shape, np.intp)
     odds = np.empty_like(field.phase)
     for y, beat in enumerate(field.beat):
@@ -187,24 +193,20 @@ def _add_path(
     beat, phase, cosine, sine, down, right, total
 ):  # pragma: no cover - compiled
     """Costs of the paths from (y - down, x - right) to each pixel, added to total (H, W, N)."""
-    height, width, labels = total.shape
-    costs = np.empty((2, width, labels), np.float32)  # of this row and the one before
-    wide, spare = np.empty((2, labels + 2), np.float32)
-    for j in range(height):
-        y = j if down >= 0 else height - 1 - j
-        for i in range(width):
-            x = i if right >= 0 else width - 1 - i
-            v = y - down
-            u = x - right
-            here = costs[y % 2, x]
-            here[:] = -(beat[y, x, 0] * cosine + beat[y, x, 1] * sine)
-            if 0 <= v < height and 0 <= u < width:
-                # labels rise where the phase falls by a wrap
-                rise = int(np.rint((phase[v, u] - phase[y, x]) / np.float32(2 * np.pi)))
-                here += _cheapest(costs[v % 2, u], wide, spare)[
-                    1 - rise : 1 - rise + labels
-                ]
-            total[y, x] += here
+    # of this row and the one before
+    costs = np.empty((2, *total.shape[1:]), np.float32)
+    wide, spare = np.empty((2, cosine.size + 2), np.float32)
+    for y, x in np.ndindex(phase.shape):
+        here = costs[y % 2, x]
+        here[:] = -(beat[y, x, 0] * cosine + beat[y, x, 1] * sine)
+        if y >= down and x >= right:
+            # labels rise where the phase falls by a wrap
+            rise = phase[y - down, x - right] - phase[y, x]
+            start = 1 - int(np.rint(rise / np.float32(2 * np.pi)))
+            here += _cheapest(costs[(y - down) % 2, x - right], wide, spare)[
+                start : start + cosine.size
+            ]
+        total[y, x] += here
 
 
 @njit()
@@ -290,9 +292,8 @@ def minimum_cut(excess: Array, right: Array, down: Array) -> Flags:
     scale = 2.0**26 / max(cost[np.isfinite(cost)].max(initial=0), 1e-30)
     capacity = np.rint(np.minimum(cost * scale, 2.0**28)).astype(np.int32)
     graph = csr_array((capacity, (start, end)), shape=(source + 2,) * 2)
-    left = csr_array(graph - maximum_flow(graph, source, source + 1).flow)
-    left.data[left.data < 0] = 0
-    left.eliminate_zeros()
+    flow = maximum_flow(graph, source, source + 1).flow
+    left = csr_array(graph - flow).maximum(0)
     reached = np.zeros(source + 2, bool)
     reached[breadth_first_order(left, source, return_predecessors=False)] = True
     return reached[:source].reshape(excess.shape)

@@ -108,11 +108,11 @@ def _pooled(measurement: Measurement, surface: Numbers, side: int = 0) -> Estima
         wholes = [pool(one, surface) for one in phasors]
         sums = [Pooled(one.phase[surface], one.spread[surface]) for one in wholes]
         middle = mean_over(shape, surface, known & measurement.mask)[surface]
-    offset = _offset(sums, middle, measurement)
+    depth = shape + _offset(sums, middle, measurement)
     odds = wrap_probability(
         sums[0].spread, sums[1].spread, frequencies=measurement.frequencies[:2]
     )
-    depth = np.where(known, shape + offset, sum(measurement.range) / 2)
+    depth = np.where(known, depth, sum(measurement.range) / 2)
     return Estimate(within_range(depth, measurement), np.where(known, odds, 0))
 
 

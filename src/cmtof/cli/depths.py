@@ -69,8 +69,10 @@ def unwrap(
     for target in targets:
         check_output(target, ".nc")
     with progress(len(targets), quiet or one) as advance:
-        pairs = zip(measurement, targets, strict=True)
-        rows = [_unwrapped(*pair, ply, how, advance) for pair in pairs]
+        rows = [
+            _unwrapped(path, target, ply, how, advance)
+            for path, target in zip(measurement, targets, strict=True)
+        ]
     print_table(f"method {how['method']}, into {output}", rows)
 
 
