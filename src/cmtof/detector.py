@@ -55,7 +55,8 @@ def poisson_gaussian(
 
 
 def _check_counts(mean: Array, sigma: float) -> None:
-    low, high = (mean.min(), mean.max()) if mean.size else (0.0, 0.0)
+    low = mean.min(initial=0.0)
+    high = mean.max(initial=0.0)
     if not (low >= 0 and high < _LARGEST_MEAN):  # NaN is refused as well
         raise ValueError(
             f"Expected finite counts >= 0, got values from {low:.6g} to {high:.6g}. "

@@ -102,9 +102,8 @@ class Tally:
     def score(self) -> Values:
         """Rates and depth errors over all pixels of all frames, as ``cmtof evaluate`` has them."""
         whole = sum(frame["pixels"] for frame in self.frames)
-        below = (
-            np.sum([frame["below"] for frame in self.frames], axis=0) / whole
-        ).tolist()
+        kept = [[*frame["below"], frame["consistent"]] for frame in self.frames]
+        shares = (np.sum(kept, axis=0) / whole).tolist()
         median = int(np.searchsorted(np.cumsum(self._errors), whole / 2))
         sets = {
             name: float(
@@ -114,13 +113,12 @@ class Tally:
             if name in self.frames[0]
         }
         return sets | {
-            "delta_lt_1": below[0],
-            "delta_lt_2": below[1],
-            "delta_lt_3": below[2],
-            "delta_ge_3": 1 - below[2],
-            "delta_ge_10": 1 - below[3],
-            "consistent_lt_1": sum(frame["consistent"] for frame in self.frames)
-            / whole,
+            "delta_lt_1": shares[0],
+            "delta_lt_2": shares[1],
+            "delta_lt_3": shares[2],
+            "delta_ge_3": 1 - shares[2],
+            "delta_ge_10": 1 - shares[3],
+            "consistent_lt_1": shares[4],
             "depth_rmse_m": float(np.sqrt(self._squares / whole)),
             "depth_median_error_m": float(_EDGES[min(median, _EDGES.size - 1)]),
             "mean_confidence": self._sureness / whole,

@@ -111,9 +111,10 @@ def _tum_sequence(path: Path, given: Fields) -> list[Source]:
     """Frames of a sequence of the TUM benchmark: each depth with the colour nearest in time."""
     depths = _tum_list(path / "depth.txt")
     colours = _tum_list(path / "rgb.txt")
-    how = dict(given)
-    how["depth_scale"] = given.get("depth_scale") or TUM_LEVELS
-    how["planar"] = given.get("camera") is not None  # depth lies along the axis there
+    how = given | {
+        "depth_scale": given.get("depth_scale") or TUM_LEVELS,
+        "planar": given.get("camera") is not None,  # depth lies along the axis there
+    }
     times = np.array(list(colours))
     found = []
     for time, name in depths.items():

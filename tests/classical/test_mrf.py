@@ -43,8 +43,7 @@ def test_one_row_is_the_best_chain(rng, shape, labels):
     found, odds = mrf.semi_global_labels(field)
     off = np.full((6, labels), np.inf)
     for chain, more in zip(chains, cost - cost.min(), strict=True):
-        there = range(6), chain
-        off[there] = np.minimum(off[there], more)
+        off[range(6), chain] = np.minimum(off[range(6), chain], more)
     assert off[range(6), found.ravel()] == approx(np.zeros(6), abs=1e-5)
     share = np.exp(-off / mrf._TEMPERATURE).sum(axis=1)
     assert odds.ravel() == approx(1 / share, rel=1e-3)

@@ -136,14 +136,6 @@ def test_a_scan_begun_is_not_overwritten(stopped):
         take(stopped)
 
 
-def test_a_scan_goes_on_with_its_own_settings_only(stopped):
-    other = replace(RIG, power_dbm=29.0)
-    with raises(
-        ValueError, match=r"got another power_dbm, 30\.0\. Scan with its settings"
-    ):
-        take(stopped, rig=other, resume=True)
-
-
 def test_a_whole_scan_needs_no_journal_to_be_resumed(output, whole):
     output.write_bytes(whole.read_bytes())
     take(output, resume=True)

@@ -24,14 +24,14 @@ SEED = 31
 
 
 def bounds(parts):
-    boxes = np.stack([part.mesh.bounds for part in parts])
-    return boxes[:, 0].min(axis=0), boxes[:, 1].max(axis=0)
+    low, high = zip(*(part.mesh.bounds for part in parts), strict=True)
+    return np.min(low, axis=0), np.max(high, axis=0)
 
 
 def test_kinds_are_those_that_rooms_and_other_kinds_name():
     used = set().union(*(room["things"] for room in ROOMS.values()))
     for kind in KINDS.values():
-        used |= kind.get("upon", {}).keys() | kind.get("around", {}).keys()
+        used.update(kind.get("upon", ()), kind.get("around", ()))
     assert used == set(KINDS)
     assert len(KINDS) >= 60
 
@@ -54,17 +54,15 @@ def test_a_kind_is_closed_and_stays_within_its_size(name):
     kind = KINDS[name]
     kit = household(np.random.default_rng(5))
     size = np.array([kit.between(*limits) for limits in kind["size"]])
-    maker = MAKERS[kind["maker"]]
-    made = [*maker(kit, Box.standing(size), **kind.get("make", {}))]
+    place = Box.standing(size)
+    made = [*MAKERS[kind["maker"]](kit, place, **kind.get("make", {}))]
     tops = [one for one in made if isinstance(one, Top)]
     parts = [kit.part(*one) for one in made if not isinstance(one, Top | Light)]
     assert all(part.mesh.is_volume for part in parts)
     low, high = bounds(parts)
     # handles, worktops and banisters reach a little further
-    above = 1.0 if kind["maker"] == "stairs" else 0.04
-    beyond = np.array([0.03, 0.04, above])
-    least = -size / 2 - beyond
-    assert (low[:2] >= least[:2] - 1e-3).all()
+    beyond = np.array([0.03, 0.04, 1.0 if kind["maker"] == "stairs" else 0.04])
+    assert (low[:2] >= (-size / 2 - beyond)[:2] - 1e-3).all()
     assert (high <= size * [0.5, 0.5, 1] + beyond).all()
     assert abs(low[2]) < 2e-3
     assert all(top.z <= high[2] + 2e-3 for top in tops)
@@ -111,7 +109,8 @@ def test_no_camera_stands_in_a_solid_or_close_to_a_surface(room):
     rays = np.column_stack([np.cos(turn), np.sin(turn), tilt])
     rays /= np.linalg.norm(rays, axis=1, keepdims=True)
     rays = rays.astype(np.float32)
-    poses = room.cameras(4, Settings(SEED, height=48, width=64).lens(room.index))
+    settings = Settings(SEED, height=48, width=64)
+    poses = room.cameras(4, settings.lens(room.index))
     for pose in poses["cam_00"] + poses["cam_01"]:
         start = np.full_like(rays, pose.position)
         hits = room.interior.tracer.nearest(start, rays)
@@ -138,15 +137,15 @@ def test_headroom_is_low_below_a_slope(attics):
     sloping = [shell for shell in attics if shell.eaves]
     assert len(sloping) > 20
     for shell in sloping:
-        way, _, _ = shell.eaves[0]
-        start = shell.depth - 0.2 if way > 0 else 0.0
+        start = shell.depth - 0.2 if shell.eaves[0][0] > 0 else 0.0
         strip = Rectangle(1.0, 2.0, start, start + 0.2)
         assert 0.8 < shell.headroom(strip) < 2.0
 
 
 @mark.parametrize("pattern", PATTERNS)
 def test_a_pattern_mixes_two_colours_and_fades_with_distance(pattern):
-    palette = Palette([Material((0.2,) * 3, (0.6,) * 3, pattern, 0.2)])
+    mixed = Material((0.2,) * 3, (0.6,) * 3, pattern, 0.2)
+    palette = Palette([mixed])
     points = np.random.default_rng(3).uniform(-2, 2, (4000, 3)).astype(np.float32)
     up = np.full_like(points, [0, 0, 1])
     look = partial(palette.albedo, np.zeros(4000, int), points, up)

@@ -58,7 +58,7 @@ def crt_closed_form(measurement: Measurement) -> Estimate:
     )
     unit = wrap_length(low) / k2
     q = np.rint((second - first) / unit).astype(np.int64)
-    wraps = (q * pow(k2, -1, k1)) % k1 if k1 > 1 else np.zeros_like(q)
+    wraps = q * pow(k2, -1, k1) % k1
     noise = depth_from_phase(phase_noise(measurement), frequencies[:, None, None])
     spread = np.maximum(np.hypot(*noise), 1e-12)
     off = (second - first) - q * unit
@@ -99,7 +99,7 @@ def fused_depth(measurement: Measurement, wraps: Numbers, residual: Array) -> Ar
     low, high = measurement.frequencies[:2]
     phase = measurement.phase[0]
     amplitude = np.nan_to_num(measurement.amplitude[:2])
-    weights = (amplitude * np.array([low, high])[:, None, None]) ** 2
+    weights = (amplitude * measurement.frequencies[:2, None, None]) ** 2
     share = weights[1] / np.maximum(weights.sum(axis=0), np.finfo(float).tiny)
     depth = depth_from_wraps(phase, wraps, low) + share * depth_from_phase(
         residual, high

@@ -54,7 +54,7 @@ class Field(NamedTuple):
     @property
     def waves(self) -> Single:
         """Cosine and sine (2, N) of the angles."""
-        return np.stack([np.cos(self.angles), np.sin(self.angles)]).astype(np.float32)
+        return np.array([np.cos(self.angles), np.sin(self.angles)], np.float32)
 
     def depth(self, labels: Numbers, measurement: Measurement) -> Array:
         """Depth (H, W), m, of labels (H, W)."""
@@ -292,8 +292,8 @@ def minimum_cut(excess: Array, right: Array, down: Array) -> Flags:
     scale = 2.0**26 / max(cost[np.isfinite(cost)].max(initial=0), 1e-30)
     capacity = np.rint(np.minimum(cost * scale, 2.0**28)).astype(np.int32)
     graph = csr_array((capacity, (start, end)), shape=(source + 2,) * 2)
-    flow = maximum_flow(graph, source, source + 1).flow
-    left = csr_array(graph - flow).maximum(0)
+    left = graph - maximum_flow(graph, source, source + 1).flow
+    left = csr_array(left).maximum(0)
     reached = np.zeros(source + 2, bool)
     reached[breadth_first_order(left, source, return_predecessors=False)] = True
     return reached[:source].reshape(excess.shape)

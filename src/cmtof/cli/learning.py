@@ -9,10 +9,7 @@ from cmtof.cli.options import SEED, File, Quiet, Seed, grouped
 from cmtof.terminal import hidden, later, progress
 
 
-def render(
-    output: Annotated[
-        Path, Option("--output", "-o", help="Folder to write the set into.")
-    ],
+def rooms(
     scenes: Annotated[int, Option(min=1, max=100_000, help="How many rooms.")] = 20,
     views: Annotated[int, Option(min=1, max=1000, help="Views of each.")] = 5,
     seed: Seed = 0,
@@ -20,10 +17,21 @@ def render(
     focal: Annotated[
         float | None, Option(help="Focal length, px. Default: 35 to 60°.")
     ] = None,
+) -> None:
+    """Options of a set of rooms."""
+
+
+@grouped(rooms)
+def render(
+    output: Annotated[
+        Path, Option("--output", "-o", help="Folder to write the set into.")
+    ],
     workers: Annotated[
         int | None, Option(min=1, help="Processes. Default: one a core.")
     ] = None,
     quiet: Quiet = False,
+    *,
+    rooms: dict[str, Any],
 ) -> None:
     """Render furnished rooms, in Hypersim's layout.
 
@@ -35,13 +43,17 @@ def render(
     with later():
         from cmtof_rooms.rendering import Settings, render_rooms, shape_from_text
 
-    settings = Settings(seed, scenes, views, *shape_from_text(size), focal)
-    with progress(scenes, quiet) as advance:
+    height, width = shape_from_text(rooms.pop("size"))
+    settings = Settings(height=height, width=width, **rooms)
+    with progress(settings.scenes, quiet) as advance:
         done = render_rooms(
             output, settings, workers=workers, progress=lambda one: advance(one.scene)
         )
     rendered = sum(one.rendered for one in done)
-    print(f"{output}: {scenes} rooms, {views} views each; {rendered} views rendered")
+    print(
+        f"{output}: {settings.scenes} rooms, {settings.views} views each; "
+        f"{rendered} views rendered"
+    )
 
 
 def recipe(

@@ -50,17 +50,25 @@ def simulate(
         print(shown(f"{loaded.name}: {loaded.note}"))
 
 
-def scan(
-    output: Annotated[File, Option("--output", "-o", help="Measurement, *.nc.")] = None,
-    rig: Annotated[File, Argument(help="RIG file, *.yml.")] = None,
+def rehearsal(
     twin: Annotated[bool, Option("--twin", help="Simulate it, by RIG's twin.")] = False,
     scene: Annotated[str | None, Option(help="Its frame. Default: still_life.")] = None,
     seed: Annotated[int | None, SEED] = None,
+    log: Annotated[File, Option(help="File of all requests and replies.")] = None,
+) -> None:
+    """Options of the instrument: simulated, or with a log."""
+
+
+@grouped(rehearsal)
+def scan(
+    output: Annotated[File, Option("--output", "-o", help="Measurement, *.nc.")] = None,
+    rig: Annotated[File, Argument(help="RIG file, *.yml.")] = None,
     size: Annotated[int, Option(min=1, max=4096, help="Height and width, px.")] = 64,
     resume: Annotated[bool, Option("--resume", help="Go on after a stop.")] = False,
     check: Annotated[bool, Option("--check", help="Ask all, move nothing.")] = False,
-    log: Annotated[File, Option(help="File of all requests and replies.")] = None,
     quiet: Quiet = False,
+    *,
+    rehearsal: dict[str, Any],
 ) -> None:
     """Scan with the instrument, or with its simulation, into a measurement.
 
@@ -74,15 +82,10 @@ def scan(
     from cmtof.hardware.rig import Rig
     from cmtof.hardware.scan import scan as run_scan
 
-    if not twin and rig is None:
+    if not rehearsal["twin"] and rig is None:
         raise ValueError("Expected either a RIG file or --twin, got neither. Name one.")
-    if not twin and (seed, scene) != (None, None):
-        raise ValueError(
-            "Expected --scene and --seed with --twin, got a RIG file. Leave them out."
-        )
     plan = planned(Rig.default() if rig is None else Rig.load(rig), size=size)
-    scene = scene or (None if rig else "still_life")
-    bench = _opener(plan.rig, log, {"scene": scene, "seed": seed or 0} if twin else {})
+    bench = _opener(plan.rig, "" if rig else "still_life", **rehearsal)
     if check:
         _check_up(bench)
     if output is None:
@@ -103,12 +106,24 @@ def scan(
     print(f"{output}: {measurement}, {measurement.mask.mean():.1%} of pixels valid")
 
 
-def _opener(rig: "Rig", log: File, twin: dict[str, Any]) -> Callable[[], Any]:
-    """Maker of a bench of real devices or, with options of a twin, of simulated ones."""
+def _opener(
+    rig: "Rig",
+    usual: str,
+    *,
+    twin: bool,
+    scene: str | None,
+    seed: int | None,
+    log: File,
+) -> Callable[[], Any]:
+    """Maker of a bench of real devices or, with a twin, of simulated ones before a scene."""
     if twin:
         from cmtof_lab.rehearsal import simulated_bench
 
-        return partial(simulated_bench, rig, **twin)
+        return partial(simulated_bench, rig, scene or usual or None, seed=seed or 0)
+    if (seed, scene) != (None, None):
+        raise ValueError(
+            "Expected --scene and --seed with --twin, got a RIG file. Leave them out."
+        )
     from cmtof.hardware.connect import connected_bench
 
     told = log.open("w", encoding="utf-8") if log else None
