@@ -16,6 +16,7 @@ from onnxruntime import (
     GraphOptimizationLevel,
     InferenceSession,
     OrtValue,
+    RunOptions,
     SessionOptions,
 )
 
@@ -81,7 +82,7 @@ def session(ready: Ready, size: Shape | None = None) -> InferenceSession:
     options.log_severity_level = 4  # an error is raised anyway
     threads = os.environ.get("OMP_NUM_THREADS", "").partition(",")[0]
     options.intra_op_num_threads = int(threads or os.cpu_count() or 1)
-    options.enable_cpu_mem_arena = False  # memory is given back at once
+    options.enable_mem_pattern = False  # one block for all would be larger
     if size:
         options.add_free_dimension_override_by_name("rows", size[0])
         options.add_free_dimension_override_by_name("columns", size[1])
@@ -120,13 +121,13 @@ def unwrap_with_network(
             0.5 + output(ready, measurement, mirrored)[0]
         )
         depth = turns * wrap_length(FREQUENCIES[0])
-        sure = np.full(depth.shape, card.validation.delta_lt_1)
+        sure = np.full_like(depth, card.validation.delta_lt_1)
     else:
         odds = scores(ready, measurement, first, last, mirrored)
-        wraps = first + (odds == 0).argmax(0)
+        depth = depth_from_wraps(
+            measurement.phase[0], first + (odds == 0).argmax(0), FREQUENCIES[0]
+        )
         sure = 1 / np.exp(odds, out=odds).sum(0)  # a softmax, in place
-        phase = np.nan_to_num(measurement.phase[0]).astype(float)
-        depth = depth_from_wraps(phase, wraps, FREQUENCIES[0])
     return within_range(depth, measurement), sure
 
 
@@ -216,12 +217,16 @@ def output(ready: Ready, measurement: Measurement, mirrored: bool = False) -> Si
     """Output (C, H, W) of a network for a measurement, or its mean over four mirror images."""
     kind = about(ready)["features"]
     images = network_images(measurement, kind)
-    mirrors = MIRRORS if mirrored else MIRRORS[:1]
-    found: Single | int = 0
-    for mirror in mirrors:
+
+    def answer(mirror):
         phase, amplitude, *more = (image[mirror] for image in images)
-        inputs = features(phase, amplitude, kind, *more)[None]
-        found += run_padded(ready, inputs)[mirror] / np.float32(len(mirrors))
+        return run_padded(ready, features(phase, amplitude, kind, *more)[None])[mirror]
+
+    found = answer(())
+    if mirrored:
+        for mirror in MIRRORS[1:]:
+            found += answer(mirror)
+        found /= len(MIRRORS)
     return found
 
 
@@ -234,5 +239,7 @@ def run_padded(ready: Ready, inputs: Single) -> Single:
         inputs = np.pad(inputs, [(0, 0), (0, 0), *more], mode="edge")
     network = session(ready, inputs.shape[-2:])
     (read,) = network.get_inputs()
-    (found,) = network.run(None, {read.name: inputs})
+    how = RunOptions()  # memory is given back at once
+    how.add_run_config_entry("memory.enable_memory_arena_shrinkage", "cpu:0")
+    (found,) = network.run(None, {read.name: inputs}, how)
     return found[0, :, :height, :width]
