@@ -3,6 +3,7 @@
 from typing import NamedTuple
 
 import numpy as np
+from scipy.spatial.transform import Rotation
 
 from cmtof.constants import FREQUENCIES
 from cmtof.correlation import phase_from_depth, wrap_length
@@ -37,15 +38,13 @@ def unit_rays(shape, camera=CAMERA):
 
 def corner_scene(shape=SHAPE, camera=CAMERA):
     """Two walls, a floor and a box before them, hit by formula."""
-    x, y, z = np.moveaxis(unit_rays(shape, camera), -1, 0)
-    c, s = np.cos(_PITCH), np.sin(_PITCH)
-    d = np.stack([x, c * y + s * z, c * z - s * y], axis=-1)
-    room = np.stack([h / np.maximum(d @ np.array(n), 1e-9) for n, h in _ROOM])
-    c, s = np.cos(_TURN), np.sin(_TURN)
-    d = np.stack(
-        [c * d[..., 0] + s * d[..., 2], d[..., 1], c * d[..., 2] - s * d[..., 0]]
+    turned = Rotation.from_euler("x", -_PITCH).apply(
+        unit_rays(shape, camera).reshape(-1, 3)
     )
-    sides = np.sort(np.array(_BOX).T[..., None, None] / d[:, None], axis=1)
+    room = [h / np.maximum(turned @ np.array(n), 1e-9) for n, h in _ROOM]
+    room = np.reshape(room, (-1, *shape))
+    turned = Rotation.from_euler("y", _TURN).apply(turned).T.reshape(3, 1, *shape)
+    sides = np.sort(np.array(_BOX).T[..., None, None] / turned, axis=1)
     enter, leave = sides[:, 0], sides[:, 1]
     hit = (enter.max(axis=0) < leave.min(axis=0)) & (enter.max(axis=0) > 0)
     hit &= enter.max(axis=0) < room.min(axis=0)

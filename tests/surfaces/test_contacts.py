@@ -61,23 +61,27 @@ def test_beliefs_along_a_chain_are_those_of_all_combinations(monkeypatch, border
     """Without loops belief propagation is exact: against the sum over every set of offsets."""
     monkeypatch.setattr(contacts, "_LOOP", 1.0)
     monkeypatch.setattr(contacts, "_FARTHEST", 4)
-    mean = np.array([0.3, 1.6, 0.9])
-    spread = np.array([0.5, 1.0, 0.7])
-    offsets = np.arange(-4, 5)
-    base = np.rint(mean)
-    off = (base[:, None] + offsets - mean[:, None]) / np.hypot(spread, 0.3)[:, None]
-    density = np.exp(-(off**2) / 2)
+    alone = known([0.3, 1.6, 0.9], [0.5, 1.0, 0.7])
+    joint = joint_odds(alone, borders)
+    found = tied(alone, between(*borders))
+    for n in range(3):
+        share = joint.sum(axis=tuple(k for k in range(3) if k != n)) / joint.sum()
+        assert found.wraps[n] == np.rint(alone.mean[n]) + share.argmax() - 4
+        assert found.odds[n] == approx(share.max(), rel=1e-3)
+
+
+def joint_odds(alone, borders):
+    """Odds (9, 9, 9) of all combinations of three offsets within four wraps of their own."""
+    base = np.rint(alone.mean)[:, None]
+    off = base + np.arange(-4, 5) - alone.mean[:, None]
+    density = np.exp(-((off / np.hypot(alone.spread, 0.3)[:, None]) ** 2) / 2)
     density = density / density.sum(axis=1, keepdims=True) + contacts._STRAY / 9
     place = np.indices((9, 9, 9))
-    wraps = base[:, None, None, None] + offsets[place]
+    wraps = base[..., None, None] + place - 4
     joint = np.prod([density[n, place[n]] for n in range(3)], axis=0)
     for a, b, step, odds in borders:
         joint *= odds * (wraps[b] - wraps[a] == step) + (1 - odds) / 9
-    found = tied(known(mean, spread), between(*borders))
-    for n in range(3):
-        share = joint.sum(axis=tuple(k for k in range(3) if k != n)) / joint.sum()
-        assert found.wraps[n] == base[n] + offsets[share.argmax()]
-        assert found.odds[n] == approx(share.max(), rel=1e-3)
+    return joint
 
 
 def test_a_false_contact_gives_way_to_those_that_agree():
@@ -111,10 +115,10 @@ def test_neither_the_order_of_borders_nor_their_sides_matter(rng):
     for count in (2, 5, 9):
         true = rng.integers(-20, 20, count)
         spread = rng.uniform(0.05, 2, count)
-        pairs = [pair for pair in combinations(range(count), 2) if rng.random() < 0.7]
         told = [
             (a, b, true[b] - true[a] + rng.integers(-1, 2), rng.random())
-            for a, b in pairs
+            for a, b in combinations(range(count), 2)
+            if rng.random() < 0.7
         ]
         turned = [(b, a, -step, odds) for a, b, step, odds in told]
         found = known(true + spread * rng.normal(size=count), spread)

@@ -1,5 +1,7 @@
 """Information of pixels, slopes from spectra, planes in windows, growth over a furnished corner."""
 
+from itertools import product
+
 import numpy as np
 from exact_scenes import (
     CAMERA,
@@ -69,22 +71,26 @@ def test_slopes_are_those_of_a_ramp(rng):
 @mark.parametrize("turns", [0.0, -0.6])
 def test_planes_are_found_though_their_phase_turns_more_than_half_a_turn_a_pixel(turns):
     """Such a slope is an alias at the lower frequency; at full light the beat decides."""
-    rng, side, right = np.random.default_rng(3), 16, 0
+    rng = np.random.default_rng(3)
     depth, _ = plane_depth((-turns * WRAP * 140 / 2.5, 0.02, 1), 2.5)
-    places = [(y, x) for y in (54, 62, 70) for x in (73, 81, 89)]
-    for y, x in places:
+    right = 0
+    for y, x in product((54, 62, 70), (73, 81, 89)):
         field = exact_field(depth, information=56.0, noise_of=rng)
-        top, left = y - side // 2, x - side // 2
-        down, across = spectral_slopes(
-            field, np.array([top + 2]), np.array([left + 2]), 12, 4
-        )
-        told = float(field.information[:, top : top + side, left : left + side].sum())
-        window = (top, left, side, down[0], across[0])
-        q, likely = plane_in_window(field, window, told)
+        q, share = plane_about(field, y, x)
         found = depth_of_labels(field, np.zeros(SHAPE, int), q[None])
         slopes = [d[y, x + 1] - d[y, x] for d in (found, depth)]
-        right += likely > 0.9 * told and abs(slopes[0] - slopes[1]) < 0.02 * WRAP
+        right += share > 0.9 and abs(slopes[0] - slopes[1]) < 0.02 * WRAP
     assert right >= 6  # of nine; by chance one of 25 aliases is
+
+
+def plane_about(field, y, x):
+    """The likeliest plane in a window of 16 px about a pixel, and its share S / E."""
+    top = y - 8
+    left = x - 8
+    slopes = spectral_slopes(field, np.array([top + 2]), np.array([left + 2]), 12, 4)
+    told = float(field.information[:, top : top + 16, left : left + 16].sum())
+    q, likely = plane_in_window(field, (top, left, 16, *slopes[:, 0]), told)
+    return q, likely / told
 
 
 def test_the_corner_has_a_surface_for_each_of_its_parts():
