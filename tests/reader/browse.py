@@ -7,7 +7,7 @@ from contextlib import contextmanager
 from playwright.sync_api import sync_playwright
 
 CHROMIUM = shutil.which("chromium") or shutil.which("chromium-browser")
-WIDTHS = {"desk": 1280, "phone": 390}
+WIDTHS = {"desk": 1280, "phone": 360}
 FLAGS = (
     "--no-sandbox --disable-gpu --disable-quic --no-first-run --disable-sync --disable-extensions "
     "--disable-background-networking --disable-component-update --proxy-server=127.0.0.1:9"

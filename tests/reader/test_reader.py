@@ -273,7 +273,7 @@ def read_a_pixel(tab):
     touch = {"pointerType": "touch", "clientX": box["x"] + 50, "clientY": box["y"] + 60}
     acts = [
         partial(canvas.dispatch_event, "pointerdown", touch),
-        partial(canvas.press, "ArrowDown"),
+        partial(canvas.press, "ArrowUp"),
     ]
     seen = {pixel.inner_text()}
     for act in (partial(canvas.hover, position={"x": 30, "y": 40}), *acts):
