@@ -71,7 +71,9 @@ def test_every_network_answers_as_in_torch(tmp_path, name, size):
     found = inference.run_padded(inference.load_network(path), inputs)
     if network.target == "depth":
         found = CLASSES["full"][1] * (0.5 + found)
-    assert_allclose(found, expected, rtol=0, atol=1e-5 * np.abs(expected).max())
+    # norms of single images divide by their spread, which single precision feels
+    close = 1e-4 if name == "fast-scnn-public" else 1e-5
+    assert_allclose(found, expected, rtol=0, atol=close * np.abs(expected).max())
 
 
 @mark.parametrize("name", MODELS)
