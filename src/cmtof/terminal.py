@@ -22,7 +22,7 @@ PLAIN = {
 
 MODULES = {
     "hardware": "pyvisa serial thorlabs_apt_protocol",
-    "lab": "cv2",
+    "lab": "cv2 pandas",
     "networks": "onnxruntime safetensors",
     "plot": "cycler matplotlib",
     "rooms": "embreex trimesh",

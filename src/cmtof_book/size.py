@@ -107,16 +107,13 @@ def bound_names(function: Function) -> set[str]:
 
 def packed_share(modules: list[Module]) -> float:
     """Share of assignments that pack several values into one line, percent."""
-    every = [
-        node
+    packed = [
+        {type(node.value), type(node.targets[0])} == {ast.Tuple}
         for module in modules
         for node in module.nodes
         if isinstance(node, ast.Assign)
     ]
-    packed = [
-        one for one in every if {type(one.value), type(one.targets[0])} == {ast.Tuple}
-    ]
-    return 100 * len(packed) / max(len(every), 1)
+    return 100 * sum(packed) / max(len(packed), 1)
 
 
 def measured(module: Module) -> Iterator[Finding]:
@@ -137,15 +134,8 @@ def measured(module: Module) -> Iterator[Finding]:
 def complexities() -> Iterator[Finding]:
     """Functions of too many branches."""
     most = f"lint.mccabe.max-complexity={LIMITS['complex functions']}"
-    options = [
-        "--isolated",
-        "--select",
-        "C901",
-        "--output-format",
-        "concise",
-        "--config",
-    ]
-    command = [sys.executable, "-m", "ruff", "check", *VOLUME, *options, most]
+    options = f"--isolated --select C901 --output-format concise --config {most}"
+    command = [sys.executable, "-m", "ruff", "check", *VOLUME, *options.split()]
     done = subprocess.run(
         command, cwd=ROOT, capture_output=True, text=True, check=False
     )
@@ -185,9 +175,9 @@ def everything() -> tuple[Rows, list[Finding]]:
         found += [one for module in modules for one in measured(module)]
     rows["book pages lines"] = (page_lines(), PAGES)
     over = [one for one in found if one.value > LIMITS[one.limit]]
-    return rows | {
-        name: (count, 0) for name, count in Counter(f.limit for f in over).items()
-    }, over
+    counts = Counter(one.limit for one in over)
+    rows |= {name: (count, 0) for name, count in counts.items()}
+    return rows, over
 
 
 def main(options: list[str]) -> int:
@@ -201,10 +191,9 @@ def main(options: list[str]) -> int:
     accepted = json.loads(ACCEPTED.read_text("utf-8"))
     failed = False
     for name, (value, budget) in rows.items():
-        note = "to do" if value > budget else ""
-        if value > max(budget, accepted.get(name, 0)):
-            failed = True
-            note = "OVER"
+        over = value > max(budget, accepted.get(name, 0))
+        failed |= over
+        note = "OVER" if over else "to do" * (value > budget)
         print(f"{name:32} {value:9,g} of {budget:7,g}  {note}".rstrip())
     if "-v" in options:
         for one in sorted(found, reverse=True):

@@ -61,7 +61,7 @@ def crt_closed_form(measurement: Measurement) -> Estimate:
     wraps = q * pow(k2, -1, k1) % k1
     noise = depth_from_phase(phase_noise(measurement), frequencies[:, None, None])
     spread = np.maximum(np.hypot(*noise), 1e-12)
-    off = (second - first) - q * unit
+    off = second - first - q * unit
     return Estimate(
         depth_from_wraps(measurement.phase[0], wraps, low),
         ndtr((unit / 2 - off) / spread) - ndtr((-unit / 2 - off) / spread),
@@ -82,8 +82,8 @@ def nearest_wrap(measurement: Measurement) -> tuple[Numbers, Array]:
     start -= np.rint(start)
     wraps = np.zeros(start.shape, np.int64)
     best = np.full(start.shape, np.inf)
-    turns = ceil(abs(step) * (last - first)) + 1
-    for turn in range(-1, turns + 1):
+    turns = ceil(abs(step) * (last - first))
+    for turn in range(-1, turns + 2):
         zero = (start + np.sign(step) * turn) / (step or 1.0)
         n = np.clip(np.rint(zero), 0, last - first).astype(np.int64)
         left = start - step * n
@@ -116,7 +116,8 @@ def _misfit_noise(measurement: Measurement, residual: Array, gap: float) -> Arra
     noise = phase_noise(measurement)
     ratio = measurement.frequencies[1] / measurement.frequencies[0]
     # infinite where nothing was measured: there every wrap is as likely
-    spread = np.clip(np.hypot(noise[1], ratio * noise[0]), _FINEST, 1e9)
+    spread = np.hypot(noise[1], ratio * noise[0])
+    spread = spread.clip(_FINEST, 1e9)
     typical = np.median(np.abs(residual[measurement.mask]))
     if "correlation" not in measurement.dataset and typical < gap / 8:
         return np.where(spread < 1e9, max(1.5 * typical, _FINEST), spread)
