@@ -32,6 +32,9 @@ STEP = 1.0
 EDGE = 0.1
 # Error of an offset over the scatter of its patches and what the middle one leaves of the beat: the
 # likeliest on 32 views of other rooms, at none of which the confidence exceeds the rate by 0.15.
+# On 64 views of further rooms, both protocols, without noise and at 300, 1200 and 2000 counts, it
+# does in 7 of 512 cases, by 0.26 at most, and lies 0.09 below in the mean: offsets of large regions
+# are all or nothing, so that a single view strays by 0.07 to 0.19.
 SPREADS = 2.0
 # Pixels off the region whose depth a pixel takes, and a factor, counted on views of 45 training
 # and validation rooms.
