@@ -24,8 +24,8 @@ class Mistake(NamedTuple):
 MISTAKES = {
     "factor 2 in Eq. 4": Mistake(
         "correlation.py",
-        "total = total + 2 * np.sinc(",
-        "total = total + np.sinc(",
+        "total = total + 2 * np.real(",
+        "total = total + np.real(",
         "test_correlation.py::test_harmonic_sum_equals_the_time_integral_of_any_waveforms",
     ),
     "sign of psi": Mistake(
@@ -49,7 +49,7 @@ MISTAKES = {
     "Poisson without gain": Mistake(
         "simulation.py",
         "means = poisson_gaussian(means, ",
-        "means = poisson_gaussian(means / np.float32(gain), ",
+        "means = poisson_gaussian(means / np.float32(GAIN), ",
         "test_simulation.py::test_noise_of_a_flat_wall_has_the_mean_and_variance_of_the_model",
     ),
     "photons counted before the gain": Mistake(

@@ -185,9 +185,10 @@ def test_crops_of_fine_tuning_move_over_the_classes(stored, stepped_wall):
     """Without noise, wraps, phase and depth of a moved crop still belong together."""
     exact = cmtof.simulate(stepped_wall, noise_free=True)
     wraps = np.floor(exact.depth / WRAP).astype(int)
-    view = tuning._view(load_weights(stored()), exact, wraps, exact.depth)
+    trained = load_weights(stored())
+    view = tuning._view(trained, exact, wraps, exact.depth)
     rng = np.random.default_rng(0)
-    pieces = [tuning._piece(view, 21, 24, "proposed", rng) for _ in range(30)]
+    pieces = [tuning._piece(view, trained.network, 24, rng) for _ in range(30)]
     label, turns, phase = (
         np.stack([getattr(piece, name) for piece in pieces])
         for name in ("label", "turns", "phase")
