@@ -41,7 +41,7 @@ PHOTODIODE = {"rig": replace(DEFAULT, flip_mirror="photodiode")}
 CHAPTERS = {  # what is measured, sizes, and the rig and what it stands before
     "14_correlation_profiles": (
         "taken",
-        {"bursts": 2, "settings": 3},
+        {"bursts": 2},
         {"scene": MIRROR},
     ),
     "17_precision_sweep": ("day", {"repeats": 1}, PHOTODIODE),
