@@ -3,7 +3,7 @@
 import numpy as np
 import torch
 from numpy.testing import assert_allclose
-from pytest import mark, param, skip
+from pytest import mark, param
 from tests.network.conftest import card
 
 import cmtof
@@ -69,11 +69,8 @@ def test_every_network_answers_as_in_torch(tmp_path, name, size):
     found = inference.run_padded(inference.load_network(path), inputs)
     if network.target == "depth":
         found = CLASSES["full"][1] * (0.5 + found)
-    close = 1e-5
-    if name == "fast-scnn-public":  # its norms divide by the spread of the image
-        if 1 in size:
-            skip("an image without spread leaves nothing but rounding")
-        close = 1e-4
+    # norms that divide by the spread of an image feel the rounding, the more the smaller it is
+    close = 3e-3 / min(size) if name == "fast-scnn-public" else 1e-5
     assert_allclose(found, expected, rtol=0, atol=close * np.abs(expected).max())
 
 

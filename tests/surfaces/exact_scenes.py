@@ -53,9 +53,7 @@ def corner_scene(shape=SHAPE, camera=CAMERA):
     paint = np.array([0.85, 0.65, 0.95, 0.8, 1.0, 0.6])[part]
     rows, columns = np.indices(shape)
     paint *= 0.8 + 0.2 * np.sin(0.31 * columns + 0.17 * rows) * np.cos(0.23 * rows)
-    return Scene(
-        Frame(depth, np.clip(paint, 0.3, 1), np.array(camera), "corner"), part
-    )
+    return Scene(Frame(depth, np.clip(paint, 0.3, 1), np.array(camera), "corner"), part)
 
 
 def plane_depth(normal, z, shape=SHAPE, camera=CAMERA):

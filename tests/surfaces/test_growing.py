@@ -87,8 +87,8 @@ def plane_about(field, y, x):
     """The likeliest plane in a window of 16 px about a pixel, and its share S / E."""
     top = y - 8
     left = x - 8
-    slopes = spectral_slopes(field, np.array([top + 2]), np.array([left + 2]), 12, 4)
-    told = float(field.information[:, top : top + 16, left : left + 16].sum())
+    slopes = spectral_slopes(field, *np.array([[top + 2], [left + 2]]), 12, 4)
+    told = field.information[:, top : top + 16, left : left + 16].sum()
     q, likely = plane_in_window(field, (top, left, 16, *slopes[:, 0]), told)
     return q, likely / told
 
