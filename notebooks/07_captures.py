@@ -234,6 +234,7 @@ plotting.save(
     "capture_noise",
     numbers={
         "source": source,
+        "sigma_rad": sigma,
     },
     caption=f"Phase noise at 7.15 GHz ({source}) about quadratics fitted to "
     f"{fit_window}×{fit_window} pixels; white lines enclose the wall. Below: its distribution on "
@@ -418,6 +419,7 @@ plotting.save(
     "noise_matching_spectra",
     numbers={
         "source": source,
+        "line_noise": {n: line._asdict() for n, line in lines.items()},
     },
     caption=f"Spectra of the noise on the wall ({source}, dots), those of simulated line noise "
     "(lines), and the range (5 to 95 %) of simulated white noise (grey). White noise is level; "
