@@ -35,7 +35,7 @@ from cmtof.pointcloud import points_from_depth
 from cmtof.statistics import reliability
 from cmtof.surfaces import stages
 from cmtof.surfaces.field import field_from_measurement
-from cmtof.surfaces.fitting import refine, whole
+from cmtof.surfaces.fitting import refine, region_of_boxes
 from cmtof.surfaces.placing import depth_of_labels
 from cmtof.surfaces.shapes import PLANE
 from cmtof_book import notes, plotting, views
@@ -200,7 +200,7 @@ def offset_of_wall(side, draw):
         cmtof.simulate(frame, protocol="full", seed=seed + draw)
     )
     q = np.array([0, 0, 1 / 3.0, 0, 0, 0])
-    fit = refine(field, whole(np.array([[0, side, 0, side]])), q, PLANE, 2, 0)
+    fit = refine(field, region_of_boxes(np.array([[0, side, 0, side]])), q, PLANE, 2, 0)
     return fit.offset, 1 / np.sqrt(fit.known)
 
 

@@ -13,13 +13,20 @@ from numpy.testing import assert_allclose
 from pytest import approx, mark
 
 from cmtof.surfaces import fitting
-from cmtof.surfaces.fitting import Region, cell_likelihood, look, refine, select, whole
+from cmtof.surfaces.fitting import (
+    Region,
+    cell_likelihood,
+    look,
+    refine,
+    region_of_boxes,
+    select,
+)
 from cmtof.surfaces.shapes import BENT, PLANE, depth_at, moved
 
 SHAPE = (64, 80)
 CENTRED = (140.0, 138.0, 41.0, 31.5)
 BOXES = whole_boxes(SHAPE)
-WHOLE = whole(BOXES)
+WHOLE = region_of_boxes(BOXES)
 NORMALS = [(0, 0, 1), (-0.3, 0.5, 1), (0.8, -0.6, 1)]
 
 
@@ -112,7 +119,7 @@ def test_planes_are_called_planes_and_balls_bent(rng):
             q,
             moved(field, q, few, BENT, 0.0, 0, 1)[0],
         ):  # a turn per pixel off
-            found = select(field, whole(few), start, 6, 15.0, 1.0)[0].q
+            found = select(field, region_of_boxes(few), start, 6, 15.0, 1.0)[0].q
             assert not found[3:].any() and np.std(depth_of(field, found) - depth) < 5e-4
     for radius in (
         20.0,
@@ -134,7 +141,7 @@ def test_the_offset_scatters_as_predicted():
     rng, found = np.random.default_rng(8), []
     for _ in range(60):
         field = exact_field(depth, information=1.0, noise_of=rng, camera=CAMERA)
-        fit = refine(field, whole(boxes), q, PLANE, 8, 0)
+        fit = refine(field, region_of_boxes(boxes), q, PLANE, 8, 0)
         found.append((fit.offset, fit.known))
     offset, known = np.array(found).T
     deviation = 1 / np.sqrt(known.mean())

@@ -14,7 +14,7 @@ from numpy.testing import assert_allclose
 from pytest import approx
 
 from cmtof.surfaces import placing
-from cmtof.surfaces.fitting import leaning, whole
+from cmtof.surfaces.fitting import leaning, region_of_boxes
 from cmtof.surfaces.roughness import cells_of_surfaces
 from cmtof.surfaces.shapes import PLANE, moved
 
@@ -89,7 +89,13 @@ def test_planes_at_right_angles_place_each_other():
         field = exact_field(depth, camera=camera)
         found.append(moved(field, q, BOXES, PLANE, -off * WRAP)[0])
         fit.append(
-            [0, 1, 0, 1e-3, *leaning(field, whole(BOXES), found[-1], 1.0).ravel()]
+            [
+                0,
+                1,
+                0,
+                1e-3,
+                *leaning(field, region_of_boxes(BOXES), found[-1], 1.0).ravel(),
+            ]
         )
     alone, label = known([0, 0, 0.6], [0.05, 0.05, 1.5]), np.repeat([0, 1, 2], 1000)
     sharp = placing.aligned(alone, np.array(found), np.array(fit), label)

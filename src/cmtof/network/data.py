@@ -105,19 +105,19 @@ def leaves(rng: np.random.Generator, side: int, protocol: str = "released") -> C
         if number:
             size = side * np.exp(rng.uniform(np.log(0.15), 0))
         away = pixels - rng.uniform(0, side, 2)[:, None, None]
-        along, beside = _rotated(away, rng) / size
+        along, beside = _rotate(away, rng) / size
         beside /= rng.uniform(0.2, 1) if number else 1.0
         far = np.hypot(along, beside)
         if rng.integers(2):  # a rectangle rather than an ellipse
             far = np.maximum(abs(along), abs(beside))
-        turns = np.where(far > 1, turns, _slanted(rng, away, size, protocol))
-        light = np.where(far > 1, light, _textured(rng, pixels, along))
+        turns = np.where(far > 1, turns, _plate_depth(rng, away, size, protocol))
+        light = np.where(far > 1, light, _plate_light(rng, pixels, along))
     grain = 0.15 * rng.standard_normal((side, side)) * (rng.uniform() < 0.5)
     depth = np.where(turns > 1, turns * WRAP, np.nan)
     return depth, np.minimum(light * np.exp(grain), 1)
 
 
-def _rotated(pixels: Array, rng: np.random.Generator) -> Array:
+def _rotate(pixels: Array, rng: np.random.Generator) -> Array:
     """Coordinates (2, H, W), x and y, along and beside a random direction."""
     angle = rng.uniform(0, TAU)
     x, y = pixels
@@ -129,7 +129,7 @@ def _rotated(pixels: Array, rng: np.random.Generator) -> Array:
     )
 
 
-def _slanted(
+def _plate_depth(
     rng: np.random.Generator, away: Array, size: float, protocol: str
 ) -> Array:
     """Depth (H, W), wraps, of a plate of that size, px, by the distance from its middle."""
@@ -139,13 +139,13 @@ def _slanted(
         level = rng.uniform(-min(25, first), 0)
     slope = (0.02 if first else 0.1) * np.exp(rng.normal())
     bend = rng.normal(0, 2) * (rng.uniform() < 0.3) / size**2
-    return first + level + slope * _rotated(away, rng)[0] + bend * (away**2).sum(0)
+    return first + level + slope * _rotate(away, rng)[0] + bend * (away**2).sum(0)
 
 
-def _textured(rng: np.random.Generator, pixels: Array, along: Array) -> Array:
+def _plate_light(rng: np.random.Generator, pixels: Array, along: Array) -> Array:
     """Brightness (H, W) of a plate: stripes, checks or a gradient along it."""
     pitch = np.exp(rng.uniform(np.log(4), np.log(60)))
-    waves = np.sin(TAU / pitch * _rotated(pixels, rng))
+    waves = np.sin(TAU / pitch * _rotate(pixels, rng))
     kinds = (waves[0], np.sign(waves[0] * waves[1]), np.clip(along, -1, 1))
     contrast = rng.uniform(0, 0.8) * (rng.uniform() < 0.6)
     bright = 0.35 * np.exp(rng.normal(0, 1.1))
@@ -233,7 +233,7 @@ def room_crop(rng: np.random.Generator, pack: Pack, side: int, protocol: str) ->
     """
     draws = []
     for _ in range(4):
-        draws.append(_drawn(rng, pack, side, protocol))
+        draws.append(_draw_window(rng, pack, side, protocol))
         if draws[-1][0] > 0.3:
             break
     _, *best = max(draws, key=itemgetter(0))
@@ -243,7 +243,7 @@ def room_crop(rng: np.random.Generator, pack: Pack, side: int, protocol: str) ->
     return depth, np.clip(light * np.exp(rng.uniform(-0.4, 0.4)), 0, 1)
 
 
-def _drawn(
+def _draw_window(
     rng: np.random.Generator, pack: Pack, side: int, protocol: str
 ) -> tuple[float, Array, Array]:
     """Share in range of a window of a frame, two of three times moved, its depth and intensity."""

@@ -70,7 +70,7 @@ class Tied(NamedTuple):
         """Probability of these wraps."""
         return self.share[:, self.share.shape[1] // 2]
 
-    def believed(self, calibration: tuple) -> "Tied":
+    def calibrate(self, calibration: tuple) -> "Tied":
         """Probabilities as often right as those of these wraps were, (odds, share right)."""
         factor = np.interp(self.odds, *calibration) / self.odds
         return self._replace(share=self.share * factor[:, None])
@@ -162,7 +162,7 @@ def tied(
     probabilities at a without the message from b, P those that both meet, M the number of offsets,
     and L < 1, since the same evidence comes back around loops.
     """
-    base, alone = _by_themselves(found, limits, repeat)
+    base, alone = _own_odds(found, limits, repeat)
     offsets = np.arange(-_FARTHEST, _FARTHEST + 1)
     if told:
         alone += told(base + offsets)
@@ -170,15 +170,13 @@ def tied(
     target = np.append(borders.second, borders.first)
     step = np.append(borders.step, -borders.step)[:, None] + base[source] - base[target]
     place = np.clip(offsets + _FARTHEST - step, -1, offsets.size) + 1
-    belief = _propagated(alone, source, target, place, np.tile(borders.odds, 2))
+    belief = _propagate(alone, source, target, place, np.tile(borders.odds, 2))
     share = softmax(belief, axis=1)
     alike = Tied(base[:, 0].astype(float), np.zeros(0, int), share).moved(share)
     return alike._replace(group=groups(alike.wraps, borders))
 
 
-def _by_themselves(
-    found: Offsets, limits: Array, repeat: float
-) -> tuple[Numbers, Array]:
+def _own_odds(found: Offsets, limits: Array, repeat: float) -> tuple[Numbers, Array]:
     """Whole wraps (N, 1) nearest to each offset, and log-probabilities (N, M) about them."""
     low, high = limits[..., None]
     mean = found.mean[:, None]
@@ -193,7 +191,7 @@ def _by_themselves(
     return base, np.log(np.where(inside, density, _OUTSIDE))
 
 
-def _propagated(
+def _propagate(
     alone: Array, source: Numbers, target: Numbers, place: Numbers, odds: Array
 ) -> Array:
     """Log-probabilities (N, M) after messages from sources to targets (2 B,), both ways in turn.

@@ -14,7 +14,7 @@ from cmtof.surfaces.shapes import (
     depth_at,
     moved,
     possible,
-    solved,
+    solve,
 )
 from cmtof.types import Array, Numbers
 
@@ -47,7 +47,7 @@ class Fit(NamedTuple):
 
 
 @njit()
-def whole(boxes):  # pragma: no cover - compiled
+def region_of_boxes(boxes):  # pragma: no cover - compiled
     """Region of every pixel of rectangles."""
     return Region(boxes, np.zeros((1, 1), np.int32), np.int64(-1))
 
@@ -175,8 +175,8 @@ def look(field, region, q, size):  # pragma: no cover - compiled
     sums, g, h, matrix = _moments(field, region, q)
     share = min(max(sums[0] / max(sums[1], 1e-9), 0.3), 1.0)
     g /= share
-    step = solved(matrix, g, size)
-    shift = solved(matrix, h, size)[:size]
+    step = solve(matrix, g, size)
+    shift = solve(matrix, h, size)[:size]
     known = max(sums[3] - np.sum(h[:size] * shift), 1e-12)
     offset = -(sums[2] / share - np.sum(g[:size] * shift)) / known
     return Fit(q, sums[0], sums[1], step, offset, known * share)
@@ -187,9 +187,9 @@ def leaning(field, region, q, weight):  # pragma: no cover - compiled
     """Change (3,) of a plane that is moved by a wrap, and the covariance (3, 3) of its fit."""
     _, _, h, matrix = _moments(field, region, q)
     out = np.empty((4, 3))
-    out[0] = solved(matrix, h, PLANE)[:3]
+    out[0] = solve(matrix, h, PLANE)[:3]
     for i in range(3):
-        out[1 + i] = solved(matrix, np.eye(6)[i] / weight, PLANE)[:3]
+        out[1 + i] = solve(matrix, np.eye(6)[i] / weight, PLANE)[:3]
     return out
 
 

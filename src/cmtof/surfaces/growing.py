@@ -13,8 +13,8 @@ from cmtof.surfaces.fitting import (
     fitted,
     frequency_sums,
     possible,
+    region_of_boxes,
     select,
-    whole,
 )
 from cmtof.surfaces.roughness import sum_cells
 from cmtof.surfaces.windows import FREE, WINDOWS, plane_in_window, windows
@@ -87,13 +87,13 @@ def _grow(field, grid, start, gain, roughest, count):  # pragma: no cover - comp
     surfaces = np.zeros((start[0].size, BENT + 1))
     new = 0
     for n, window in enumerate(zip(*start)):  # noqa: B905 - unknown to Numba
-        seed = _begun(field, grid, window, gain, roughest)
+        seed = _seed_in_window(field, grid, window, gain, roughest)
         if seed.rough < 0:
             continue
         cells = _first_cells(field, grid, seed, window, n + 1)
         if cells.size == 0:
             continue
-        q, rough, cells = _full_grown(field, grid, seed, cells, n + 1)
+        q, rough, cells = _grow_from_cells(field, grid, seed, cells, n + 1)
         side = window[2] // CELL
         if cells.size >= 0.6 * side * side:
             grid.owner.ravel()[cells] = count + new
@@ -104,7 +104,7 @@ def _grow(field, grid, start, gain, roughest, count):  # pragma: no cover - comp
 
 
 @njit()
-def _begun(field, grid, window, gain, roughest):  # pragma: no cover - compiled
+def _seed_in_window(field, grid, window, gain, roughest):  # pragma: no cover - compiled
     """A surface in a window, if enough of this is free, and enough of it explained."""
     rows, columns = _cells_of_window(window)
     told = grid.information[:, rows, columns].sum()
@@ -150,7 +150,7 @@ def _first_cells(field, grid, seed, window, mark):  # pragma: no cover - compile
 
 
 @njit()
-def _full_grown(field, grid, seed, cells, mark):  # pragma: no cover - compiled
+def _grow_from_cells(field, grid, seed, cells, mark):  # pragma: no cover - compiled
     """Fit a surface and let it grow, until it does not; its parameters, roughness, and cells."""
     q = seed.q
     rough = seed.rough
@@ -158,7 +158,7 @@ def _full_grown(field, grid, seed, cells, mark):  # pragma: no cover - compiled
     while cells.size > before:
         before = cells.size
         boxes, weight = boxes_of_cells(cells, grid.owner.shape[1], _CELLS)
-        fit, _ = select(field, whole(boxes), q, _STEPS, seed.gain, weight)
+        fit, _ = select(field, region_of_boxes(boxes), q, _STEPS, seed.gain, weight)
         if possible(field, fit.q, boxes):
             q = fit.q
         if rough > 0:
@@ -215,7 +215,7 @@ def _spread(field, grid, q, rough, cells, mark):  # pragma: no cover - compiled
     i = 0
     while i < size and size < goal:
         y, x = divmod(found[i], grid.owner.shape[1])
-        for a, b in beside(grid.owner, y, x):
+        for a, b in neighbours(grid.owner, y, x):
             if grid.owner[a, b] >= 0 or grid.stamp[a, b] == mark:
                 continue
             if _explains(field, grid, q, rough, a, b):
@@ -227,7 +227,7 @@ def _spread(field, grid, q, rough, cells, mark):  # pragma: no cover - compiled
 
 
 @njit(inline="always")
-def beside(cells, y, x):  # pragma: no cover - compiled
+def neighbours(cells, y, x):  # pragma: no cover - compiled
     """The cells below, above, right and left of a cell, of those that there are."""
     found = []
     for down, right in _BESIDE:
@@ -250,7 +250,7 @@ def _reassigned(field, owner, surfaces, information):  # pragma: no cover - comp
         at = -1
         for n in found:
             value = cell_likelihood(field, surfaces[n], y, x)
-            for a, b in beside(owner, y, x):
+            for a, b in neighbours(owner, y, x):
                 if owner[a, b] == n:
                     value += _NEIGHBOURLY
             if value > best:

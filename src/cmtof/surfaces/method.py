@@ -135,12 +135,15 @@ def stages(
         _limits(field, depth[inside], masked, len(grown.surfaces)),
         repeat=1 / abs(field.excess),
         told=told and partial(told, depth[inside], masked),
-    ).believed(CALIBRATION)
+    ).calibrate(CALIBRATION)
     # where there is no surface, the number -1 stands for the last entry
     depth = depth + field.period * np.append(joined.wraps, 0)[everywhere]
     depth = _departed(field, depth, np.append(cells.rough, 0)[grown.label])
-    if "fill" not in without:
-        _fill(depth[inside], grown.distance[inside] > REACH, measurement)
+    _fill(
+        depth[inside],
+        (grown.distance[inside] > REACH) & ("fill" not in without),
+        measurement,
+    )
     elected, votes = voted(field, depth, grown.label >= 0, alone.closure)
     masked[votes[inside] > 0] = -1
     return Stages(
@@ -179,7 +182,7 @@ def _grown(field: Field, without: Collection[str], known: bool) -> Grown:
     if "parts" not in without:
         parts, cut = placing.parted(field, inner, surfaces)
         if len(cut) > len(surfaces):
-            owner, surfaces = _refitted(field, owner, parts, cut, gain)
+            owner, surfaces = _fit_again(field, owner, parts, cut, gain)
             label, share = placing.pixel_labels(field, owner, surfaces)
             inner = placing.interiors(label, share)
     surfaces, fit = fitted(field, inner, surfaces, (_STEPS, _CELLS), gain)
@@ -188,12 +191,11 @@ def _grown(field: Field, without: Collection[str], known: bool) -> Grown:
     return Grown(owner, label, share, inner, surfaces, fit, distance)
 
 
-def _refitted(
+def _fit_again(
     field: Field, owner: Numbers, parts: Numbers, surfaces: Array, gain: float
 ) -> tuple[Numbers, Array]:
     """Owner of each cell, its part where there are new ones, and the surfaces fitted again."""
-    count = owner.max() + 1
-    parts = np.where(parts < count, owner, parts)
+    parts = np.where(parts <= owner.max(), owner, parts)
     changed = parts != owner
     both = np.isin(parts, [owner[changed], parts[changed]])
     cells = pixels_of_cells(np.where(both, parts, -1))

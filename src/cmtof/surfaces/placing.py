@@ -167,7 +167,7 @@ def offsets(
     beat, noise, coherence = beats
     doubt = _FLOOR[1] + _BENT * (1 - np.clip(coherence, 0.05, 1))
     by_beat = 1 / (noise**2 + doubt**2)
-    by_shape = _known_by_shape(fit) * shape
+    by_shape = _information_of_shapes(fit) * shape
     total = by_beat + by_shape
     flat = ~surfaces[:, 3:6].any(axis=1)  # what is bent may have been bent by a wrap
     off = 0.0
@@ -177,7 +177,7 @@ def offsets(
     return Offsets(mean, 1 / np.sqrt(total), off)
 
 
-def _known_by_shape(fit: Array) -> Array:
+def _information_of_shapes(fit: Array) -> Array:
     """Inverse variance (N,), 1 / wraps^2, of offsets by the shapes of planes."""
     known, missed, bend = np.maximum(fit[:, 1:4].T, 1e-12)
     stiff = np.where(fit[:, 1] > 0, known / bend**2, 0)
@@ -239,7 +239,7 @@ def aligned(found: Offsets, surfaces: Array, fit: Array, label: Numbers) -> Offs
     width = np.sqrt(trace + variance * np.sum(planes.turn**2, axis=1) + _PLUMB**2)
     size = np.bincount(label[label >= 0], minlength=width.size)
     for axis in _axes(now, width, np.where(planes.known & (width < _CLEAR), size, -1)):
-        mean, variance = _upright(planes, mean, variance, axis)
+        mean, variance = _use_right_angles(planes, mean, variance, axis)
     return found._replace(mean=mean, spread=np.sqrt(variance))
 
 
@@ -265,7 +265,9 @@ def _axes(normal: Array, width: Array, size: Numbers) -> list[Array]:
     return [first, second, np.cross(first, second)]
 
 
-def _upright(planes: Planes, mean: Array, variance: Array, axis: Array) -> Arrays:
+def _use_right_angles(
+    planes: Planes, mean: Array, variance: Array, axis: Array
+) -> Arrays:
     """Mean and variance (N,) of offsets by the right angles of planes to an axis."""
     slope = planes.turn @ axis
     off = (planes.normal + mean[:, None] * planes.turn) @ axis

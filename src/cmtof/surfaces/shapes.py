@@ -45,7 +45,7 @@ def moved(field, q, boxes, size, distance, down=0, right=0):  # pragma: no cover
         z[n] = max(
             1 / max(field.cosine[y, x] * inverse, FARTHEST) + (distance + shift), 0.05
         )
-    return _through(field, points, z, size)
+    return _surface_through(field, points, z, size)
 
 
 @njit()
@@ -74,7 +74,7 @@ def _functions(field, y, x):  # pragma: no cover - compiled
 
 
 @njit()
-def _through(field, points, z, size):  # pragma: no cover - compiled
+def _surface_through(field, points, z, size):  # pragma: no cover - compiled
     """Surface nearest to depths (P,), m, at pixels (P, 2), and its distance, m (rms)."""
     matrix = np.zeros((BENT, BENT))
     wanted = np.zeros(BENT)
@@ -88,12 +88,12 @@ def _through(field, points, z, size):  # pragma: no cover - compiled
             wanted[i] += weight * basis[i] / (z[n] * cosine)
             for j in range(i + 1):
                 matrix[i, j] += weight * basis[i] * basis[j]
-    q = solved(matrix, wanted, size)
+    q = solve(matrix, wanted, size)
     return q, np.sqrt(max(np.sum(z * z) - np.sum(q * wanted), 0.0) / z.size)
 
 
 @njit()
-def solved(matrix, right, size):  # pragma: no cover - compiled
+def solve(matrix, right, size):  # pragma: no cover - compiled
     """M^-1 right for the first functions, by elimination, M scaled to a unit diagonal."""
     left = np.empty((BENT, BENT))
     scale = np.empty(BENT)

@@ -10,7 +10,7 @@ from scipy.fft import fft, fftfreq, next_fast_len
 from cmtof.compiled import njit
 from cmtof.correlation import TAU
 from cmtof.surfaces.field import CELL, Field
-from cmtof.surfaces.fitting import refine, whole
+from cmtof.surfaces.fitting import refine, region_of_boxes
 from cmtof.surfaces.shapes import BENT, PLANE
 from cmtof.types import Array, Flags, Numbers
 
@@ -97,7 +97,7 @@ def plane_in_window(field, window, information):  # pragma: no cover - compiled
         if max(abs(slope[0]), abs(slope[1])) > TAU * _STEEPEST:
             continue
         z = _depth_of_beat(field, np.angle(beats[alias]), phase)
-        fit, there = _climbed(field, _plane(field, window, z, slope), window)
+        fit, there = _climb_outwards(field, _plane(field, window, z, slope), window)
         if there and fit.likelihood > best:
             best = fit.likelihood
             plane = fit.q
@@ -198,7 +198,7 @@ def _plane(field, window, z, slope):  # pragma: no cover - compiled
 
 
 @njit()
-def _climbed(field, q, window):  # pragma: no cover - compiled
+def _climb_outwards(field, q, window):  # pragma: no cover - compiled
     """Fit a plane to the middle of a window first, then on outwards, for steep phases bend.
 
     And whether it got there.
@@ -211,7 +211,7 @@ def _climbed(field, q, window):  # pragma: no cover - compiled
         x = left + (side - core) // 2
         told = np.sum(field.information[0, y : y + core, x : x + core])
         if core == side or told > 100:
-            region = whole(np.array([[y, y + core, x, x + core]]))
+            region = region_of_boxes(np.array([[y, y + core, x, x + core]]))
             steps = 2 if core < side else 3
             fit = refine(field, region, q, PLANE, steps, np.int64(0))
             if core == side or fit.likelihood < 0.4 * fit.most:
