@@ -395,7 +395,8 @@ plotting.save(
     caption="Validation rates on simulated data, σ = 1200 in (b, c). (a) The recipe in miniature, "
     "trained on this page, σ = 60. (b) The rows of Table 1 that learnt, at equal crops, a fiftieth "
     "of the paper's pixels; 16 views. (c) The shipped `fast-scnn`, 768×1024, and a line drawn on "
-    "to the paper's pixels, with the range (95 %) of a new point. Dotted: the best constant answer.",
+    "to the paper's pixels, with the range (95 %) of a new point. Dotted: the best constant "
+    "answer.",
     alt="Two panels of curves of the validation rate over the crops of training, with the level "
     "of the best constant answer, and one of four points that rise with the pixels.",
 )
