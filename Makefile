@@ -7,8 +7,8 @@ MAKEFLAGS += --no-print-directory --no-builtin-rules
 
 BIN := .venv/bin
 
-# a recipe reads F and P from its environment: make would paste them into the shell's own words
-export F P
+# recipes read these from their environment: make would paste them into the shell's own words
+export F P MACHINES TESTS
 
 PROFILES := ci book paper
 ifneq ($(words $(PROFILE))$(filter-out $(PROFILES),$(PROFILE)),1)
@@ -78,7 +78,7 @@ test-slow: setup ## The long tests: kills at random moments, sweeps over seeds, 
 	@$(BIN)/python -m pytest -m slow
 
 test-machines: setup ## Test the numbers as other processors compute them: make test-machines [MACHINES="oldest zen"]
-	@mkdir -p build && $(ONE_AT_A_TIME)$(BIN)/python -m cmtof_book.machines $(MACHINES) $(if $(TESTS),--tests "$(TESTS)")
+	@mkdir -p build && $(ONE_AT_A_TIME)tools/machines.sh $$MACHINES
 
 test-book: setup ## Read the built book in a browser without a network
 	@$(BIN)/python -m pytest tests/reader
