@@ -10,11 +10,11 @@ a last digit: it is not compared, only bounded from below.
 (True, False, True)
 """
 
-from dataclasses import asdict, dataclass
-from typing import Any, Literal, get_args
+from typing import Any, Literal
 
 import numpy as np
 from numpy.typing import ArrayLike
+from pydantic.dataclasses import dataclass
 
 from cmtof.types import Array
 from cmtof_book import Values
@@ -34,7 +34,8 @@ class Compared:
     """A number, or a list of them, and what its kind needs to tell how far it may move.
 
     ``error`` is the standard error, ``pixels`` how many a share counts, ``at_least`` the bound of
-    a decision; each is one number for all, or a list as long as ``value``.
+    a decision; each is one number for all, or a list as long as ``value``. Raises ValueError for
+    another kind; what else a record says of a number is left out.
     """
 
     value: Any
@@ -43,33 +44,16 @@ class Compared:
     pixels: Any = None
     at_least: Any = None
 
-    def __post_init__(self) -> None:
-        if self.kind not in get_args(Kind):
-            names = ", ".join(get_args(Kind))
-            raise ValueError(
-                f"Expected a kind of number, got {self.kind!r}. Use one of {names}."
-            )
-
     def record(self) -> Values:
         """Value, kind and what belongs to the kind, for JSON."""
-        return {name: part for name, part in asdict(self).items() if part is not None}
-
-    @property
-    def size(self) -> int:
-        """How many numbers these are."""
-        return np.size(self.value)
+        return {name: part for name, part in vars(self).items() if part is not None}
 
     def tolerance(self, error: ArrayLike = 0.0) -> Array:
         """Largest difference to a number found now, whose standard error is ``error``."""
         if self.kind == "closed form":
             return ROUNDING * np.abs(self.value)
-        noise = np.hypot(self.error or 0.0, error)
-        edge = (
-            EDGE_PIXELS / np.asarray(self.pixels)
-            if self.kind == "share of pixels"
-            else 0.0
-        )
-        return np.maximum(STANDARD_ERRORS * noise, edge)
+        noise = STANDARD_ERRORS * np.hypot(self.error or 0.0, error)
+        return np.maximum(noise, EDGE_PIXELS / np.asarray(self.pixels or np.inf))
 
     def accepts(self, value: ArrayLike, error: ArrayLike = 0.0) -> bool:
         """Whether a number found now agrees with this stored one; NaN never does."""

@@ -7,14 +7,14 @@ from rooms of one seed, for `cmtof.estimate.SETS`, and the sets are counted on r
 uneven ones, and on scans of `cmtof_book.scanned`, in the same folder. Everything is simulated.
 """
 
-from collections.abc import Iterable, Iterator
+from collections.abc import Callable, Iterable, Iterator
 from dataclasses import replace
 from functools import partial
 from itertools import islice
 
 import numpy as np
+import pandas as pd
 from scipy.ndimage import gaussian_filter
-from scipy.stats import sem
 
 from cmtof import __version__, simulate, unwrap
 from cmtof.constants import FREQUENCIES
@@ -28,7 +28,7 @@ from cmtof.statistics import conformal_quantile
 from cmtof.types import Array, Fields, Values
 from cmtof_book import RESULTS
 from cmtof_book.frames import SETTINGS, views
-from cmtof_book.scanned import FOLDER, SHOWN, Counts, kept_scan
+from cmtof_book.scanned import SHOWN, Counts, kept_scan
 
 CALIBRATED, CHECKED = (301, 80), (613, 40)
 """Seed of the rooms, and how many."""
@@ -96,19 +96,16 @@ def measurements(
         yield simulate(seen, frame_number=number, **CONDITIONS.get(condition, {}))
 
 
-def counted(method: str, measurements: Iterable[Measurement]) -> Fields:
+def counted(method: str, made: Callable[[], Iterable[Measurement]]) -> Fields:
     """Means over rooms of the shares right and covered and of the wraps in a set; their errors."""
     shares = []
-    for seen in measurements:
+    for seen in made():
         counts = Tally().add(scored_pixels(unwrap(seen, method=method), seen))
-        kept = [counts["below"][0], *(counts[name] for name in COVERAGE)]
-        shares.append(np.divide(kept, counts["pixels"]))
-    names = ("right", *COVERAGE)
-    found = {"means": np.mean(shares, axis=0), "errors": sem(shares)}
-    by_name = {
-        kind: dict(zip(names, each, strict=True)) for kind, each in found.items()
-    }
-    return {"rooms": len(shares)} | by_name
+        kept = {"right": counts["below"][0]} | {one: counts[one] for one in COVERAGE}
+        shares.append({name: kept[name] / counts["pixels"] for name in kept})
+    table = pd.DataFrame(shares)
+    found = {"means": table.mean().to_dict(), "errors": table.sem().to_dict()}
+    return {"rooms": len(shares)} | found
 
 
 def main() -> None:
@@ -117,18 +114,14 @@ def main() -> None:
     counts.store(command="python -m cmtof_book.coverage", version=__version__)
     counts.keep("half-widths", of=calibrated)
     frames = [*rooms(*CHECKED)]
-    seen = {one: measurements(one, frames) for one in (*CONDITIONS, *UNEVEN)}
+    made = {one: partial(measurements, one, frames) for one in (*CONDITIONS, *UNEVEN)}
     for noise in ("photon", "captures"):
-        seen[f"scans, {noise}"] = map(partial(kept_scan, FOLDER, noise=noise), SHOWN)
-    for condition, these in seen.items():
-        counts.keep(
-            "checked", "surfaces", condition, of=partial(counted, "surfaces", these)
-        )
-    for condition in SOME:
-        these = measurements(condition, frames)
-        counts.keep(
-            "checked", "hybrid", condition, of=partial(counted, "hybrid", these)
-        )
+        scan = partial(kept_scan, noise=noise)
+        made[f"scans, {noise}"] = partial(map, scan, SHOWN)
+    asked = [("surfaces", one) for one in made] + [("hybrid", one) for one in SOME]
+    for method, condition in asked:
+        of = partial(counted, method, made[condition])
+        counts.keep("checked", method, condition, of=of)
 
 
 if __name__ == "__main__":

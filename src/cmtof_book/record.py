@@ -38,16 +38,10 @@ class Record(NamedTuple):
     def compared(self) -> dict[str, Compared]:
         """Those numbers that have a kind."""
         return {
-            name: compared_from_json(number)
+            name: Compared(**number)
             for name, number in self.numbers.items()
             if isinstance(number, dict) and "kind" in number
         }
-
-
-def compared_from_json(number: Named) -> Compared:
-    """Number with its kind, of which a record may say more than belongs to the kind."""
-    known = Compared.__dataclass_fields__
-    return Compared(**{name: number[name] for name in known if name in number})
 
 
 def write(name: str, numbers: Named, **about: Any) -> None:

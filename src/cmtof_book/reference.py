@@ -12,6 +12,8 @@ import sys
 from collections.abc import Iterator
 from pathlib import Path
 
+import numpy as np
+
 from cmtof_book import ROOT
 from cmtof_book.compared import Compared
 from cmtof_book.provenance import read_json
@@ -41,18 +43,13 @@ def stored_numbers(path: Path = STORED) -> Numbers:
 
 def differences(found: Numbers, stored: Numbers) -> Iterator[str]:
     """What is missing, new, or farther apart than its kind allows; a line for each."""
-    for name in sorted(found.keys() | stored.keys()):
-        if name not in found:
-            yield f"{name}: gone"
-        elif name not in stored:
-            yield f"{name}: new"
-        elif not agree(found[name], stored[name]):
-            yield f"{name}: {found[name].value} instead of {stored[name].record()}"
-
-
-def agree(found: Compared, stored: Compared) -> bool:
-    """Whether two numbers are of one kind and as near as that asks."""
-    return found.kind == stored.kind and stored.accepts(found.value, found.error or 0.0)
+    for name in sorted(found.keys() ^ stored.keys()):
+        yield f"{name}: {'new' if name in found else 'gone'}"
+    for name in sorted(found.keys() & stored.keys()):
+        new = found[name]
+        old = stored[name]
+        if new.kind != old.kind or not old.accepts(new.value, new.error or 0.0):
+            yield f"{name}: {new.value} instead of {old.record()}"
 
 
 def main() -> None:
@@ -67,7 +64,7 @@ def main() -> None:
         for name, number in sorted(found.items())
     ]
     STORED.write_text("{\n" + ",\n".join(lines) + "\n}\n", "utf-8")
-    print(f"{sum(number.size for number in found.values())} numbers in {STORED.name}")
+    print(f"{sum(np.size(number.value) for number in found.values())} numbers in {STORED.name}")
 
 
 if __name__ == "__main__":

@@ -1,21 +1,20 @@
 """Scanned scenes, and the paper's network fine-tuned on scans of other objects (Sec. 6.4, 8.2).
 
-    python -m cmtof_book.scanned [FOLDER] [--legs N] [--again METHOD]...
+    python -m cmtof_book.scanned
 
-Everything is simulated. Scans go to FOLDER, by default build/scanned, and what is there is not
+Everything is simulated. Scans go to build/scanned; what is there, or among the stored rates, is not
 computed again. Rates and fine-tuned weights go where the chapters read them: book/results.
 """
 
 import shutil
-from collections.abc import Callable, Iterable, Sequence
+from collections.abc import Callable, Iterable
 from dataclasses import replace
 from functools import partial, reduce
 from itertools import product
 from pathlib import Path
-from typing import Annotated, Any
+from typing import Any
 
 import numpy as np
-import typer
 
 import cmtof
 from cmtof import __version__
@@ -68,7 +67,12 @@ VALIDATED = 9  # scans of held-out things
 LABELS = {"labelled": CURVE[-1], "baseline": 0.06}
 
 NETWORK = "fast-scnn"
-MIRRORED = "fast-scnn-mirrored"
+# Rows with the fine-tuned weights, and their methods.
+TUNED_ROWS = {
+    "tuned": NETWORK,
+    "tuned mirrored": "fast-scnn-mirrored",
+    "tuned hybrid": "hybrid",
+}
 FIRST_LEG: Values = {"steps": 600, "learning_rate": 5e-4, "crop": 192, "batch": 2}
 NEXT_LEGS: Values = FIRST_LEG | {
     "steps": 1500
@@ -76,7 +80,7 @@ NEXT_LEGS: Values = FIRST_LEG | {
 
 DEPTH_WEIGHT = 0.005  # weight of the distance in depth, 1/mm, as where the network was trained last
 
-MOST_LEGS = 6
+LEGS = range(7)  # of training, among which the best are chosen
 
 Noise = str | float  # one of `cmtof_lab.settings.NOISE`, or a multiple of the captures'
 
@@ -171,29 +175,28 @@ def frame_of(target: Target, scan: Measurement) -> Frame:
     return Frame(hits.range, hits.reflectance, scan.camera)
 
 
-def kept(path: Path, made: Callable[[], Measurement]) -> Measurement:
-    """Measurement of a file, which is computed if there is none."""
+def kept(name: str, made: Callable[[], Measurement]) -> Measurement:
+    """Measurement of a file by name, which is computed if there is none."""
+    path = FOLDER / f"{name}.nc"
     if not path.exists():
         path.parent.mkdir(parents=True, exist_ok=True)
         made().save(path)
-        print("scanned", path.stem, flush=True)
+        print("scanned", name, flush=True)
     return cmtof.open(path)
 
 
 def kept_scan(
-    folder: Path, name: str, noise: Noise = "captures", seed: int = 0, **rigged: Any
+    name: str, noise: Noise = "captures", seed: int = 0, **rigged: Any
 ) -> Measurement:
     """Scan of an object as `scan_object` makes it."""
     other = "".join(f"_{x:g}" for x in rigged.values())
-    path = folder / f"{name}_{noise}_{SIZE}_{seed}{other}.nc"
-    return kept(path, partial(scan_object, name, noise, seed=seed, **rigged))
+    scan = partial(scan_object, name, noise, seed=seed, **rigged)
+    return kept(f"{name}_{noise}_{SIZE}_{seed}{other}", scan)
 
 
-def example(
-    folder: Path, number: int, group: int = 0
-) -> tuple[Measurement, Array, Array]:
+def example(number: int, group: int = 0) -> tuple[Measurement, Array, Array]:
     """Scan of a still life, its wraps by stereo, -1 where unknown, and its depth, m."""
-    scan = kept(folder / f"still_{group}_{number}.nc", partial(labelled, number, group))
+    scan = kept(f"still_{group}_{number}", partial(labelled, number, group))
     return scan, *(scan.dataset[key].to_numpy() for key in ("wraps", "labels"))
 
 
@@ -215,7 +218,7 @@ def labelled(number: int, group: int) -> Measurement:
     return Measurement(scan.dataset.drop_vars("raw_counts").assign(labels))
 
 
-def tuned_weights(folder: Path, count: int, legs: int) -> Path:
+def tuned_weights(count: int, legs: int) -> Path:
     """Weights after some legs on the first so many labelled scans, each made from the one before.
 
     In a leg the rate falls to zero; in half precision where the processor can.
@@ -227,14 +230,13 @@ def tuned_weights(folder: Path, count: int, legs: int) -> Path:
 
     if not legs:
         return weights_path(NETWORK, "released")
-    path = weights_path(NETWORK, "released", folder / f"tuned_{count}_{legs}")
+    path = weights_path(NETWORK, "released", FOLDER / f"tuned_{count}_{legs}")
     if not path.exists():
-        trained = load_weights(tuned_weights(folder, count, legs - 1))
-        trained.network.model = trained.network.model._replace(
-            depth_weight=DEPTH_WEIGHT
-        )
+        trained = load_weights(tuned_weights(count, legs - 1))
+        model = trained.network.model
+        trained.network.model = model._replace(depth_weight=DEPTH_WEIGHT)
         options = NEXT_LEGS if legs > 1 else FIRST_LEG
-        examples = [example(folder, number) for number in range(count)]
+        examples = [*map(example, range(count))]
         torch.set_num_threads(1)
         # without a cache, which would keep the first step's weights for the whole block
         with torch.autocast("cpu", torch.bfloat16, cache_enabled=False):
@@ -280,53 +282,37 @@ def counts_of(
     return rows
 
 
-def given_to(
-    folder: Path, method: str, name: str, noise: Noise, seed: int
-) -> Measurement:
+def given_to(method: str, name: str, noise: Noise, seed: int) -> Measurement:
     """Scan as a method reads it: four phases for `rapid`, two close frequencies for `phasor`."""
-    scan = kept_scan(folder, name, noise, seed)
+    scan = kept_scan(name, noise, seed)
     if method == "rapid":
         return four_phases(scan)
     if method == "phasor":
-        return close_pair(
-            scan, kept_scan(folder, name, noise, seed + 100, frequency_single=7.16e9)
-        )
+        other = kept_scan(name, noise, seed + 100, frequency_single=7.16e9)
+        return close_pair(scan, other)
     return scan
 
 
-def validated(folder: Path, legs: int) -> list[float]:
+def validated(legs: int) -> list[float]:
     """Shares of right wraps on scans of the things that are held out."""
-    weights = tuned_weights(folder, CURVE[-1], legs)
-    scans = (example(folder, number, 1)[0] for number in range(VALIDATED))
+    weights = tuned_weights(CURVE[-1], legs)
+    scans = (example(number, 1)[0] for number in range(VALIDATED))
     every = counts_of(scans, NETWORK, {"weights": weights})
     return [round(right / pixels, 4) for pixels, right, *_ in every]
 
 
-def chosen_legs(folder: Path, counts: Counts, most: int) -> int:
-    """Legs of training after which scans of things held out are best."""
-    rates = [
-        counts.keep("validation", str(legs), of=partial(validated, folder, legs))
-        for legs in range(most + 1)
-    ]
-    return int(np.mean(rates[1:], axis=1).argmax()) + 1
-
-
-def compare(folder: Path, counts: Counts, noise: str, rows: Rows) -> None:
+def compare(counts: Counts, noise: str, rows: Rows) -> None:
     """Count rows of methods on three scans of each of the shown scenes."""
     for (row, options), name in product(rows.items(), SHOWN):
-        given = (given_to(folder, row, name, noise, seed) for seed in SEEDS)
-        counts.keep(
-            "counts", noise, row, name, of=partial(counts_of, given, row, options)
-        )
+        given = (given_to(row, name, noise, seed) for seed in SEEDS)
+        of = partial(counts_of, given, row, options)
+        counts.keep("counts", noise, row, name, of=of)
 
 
-def sweep(folder: Path, counts: Counts, weights: Path) -> None:
+def sweep(counts: Counts, rows: Rows) -> None:
     """Count scans of fewer points and of other noise: every second, every fourth point of each."""
-    rows: Rows = {NETWORK: {"weights": weights}, "kde": {}, "reference-contact": {}}
     for level, stride, (row, options) in product(LEVELS, STRIDES, rows.items()):
-        given = (
-            thinned(kept_scan(folder, name, LEVELS[level]), stride) for name in SWEPT
-        )
+        given = (thinned(kept_scan(name, LEVELS[level]), stride) for name in SWEPT)
         of = partial(counts_of, given, row, options)
         counts.keep("sweep", level, str(SIZE // stride), row, of=of)
 
@@ -337,29 +323,18 @@ def thinned(scan: Measurement, stride: int) -> Measurement:
     return Measurement(scan.dataset.isel(x=every, y=every).drop_vars("camera"))
 
 
-def forget(counts: Counts, weights: Path, again: Sequence[str]) -> None:
-    """Drop the counts of some methods, and those of the tuned network if it is another now."""
-    found = read_card(weights).sha256
-    if counts.held.get("weights", found) != found:
-        counts.held.pop("sweep", None)
-        again = [*again, "tuned", "tuned mirrored", "tuned hybrid"]
-        again += [f"{count} scans" for count in CURVE]
-    for kept in counts.held.get("counts", {}).values():
-        for row in again:
-            kept.pop(row, None)
-    counts.held["weights"] = found
-
-
-def main(
-    again: Annotated[list[str], typer.Option(default_factory=list)],
-    folder: Annotated[Path, typer.Argument()] = FOLDER,
-    legs: int = MOST_LEGS,
-) -> None:
-    """Compute what is missing, and store it."""
+def main() -> None:
+    """Compute what is missing, and store it; nothing counted is kept if the network is another."""
     counts = Counts(RATES)
-    chosen = chosen_legs(folder, counts, legs)
-    best = tuned_weights(folder, CURVE[-1], chosen)
-    forget(counts, best, again)
+    rates = [
+        counts.keep("validation", str(legs), of=partial(validated, legs))
+        for legs in LEGS
+    ]
+    chosen = int(np.mean(rates[1:], axis=1).argmax()) + 1
+    best = tuned_weights(CURVE[-1], chosen)
+    found = read_card(best).sha256
+    if counts.held.get("weights") != found:
+        counts.store(weights=found, counts={}, sweep={})
     shutil.copytree(best.parent, TUNED, dirs_exist_ok=True)
     counts.store(
         command="python -m cmtof_book.scanned",
@@ -369,19 +344,16 @@ def main(
         learnt=LEARNT,
         held_out=HELD_OUT,
     )
-    usual: Rows = {name: {} for name in (*METHODS, *TOLD) if name != "phasor"}
-    usual["tuned"] = {"method": NETWORK, "weights": best}
-    usual["tuned mirrored"] = {"method": MIRRORED, "weights": best}
-    usual["tuned hybrid"] = {"method": "hybrid", "weights": best}
-    compare(folder, counts, "captures", usual)
-    sweep(folder, counts, best)
-    compare(folder, counts, "photon", usual)
-    fewer: Rows = {
-        f"{n} scans": {"method": NETWORK, "weights": tuned_weights(folder, n, 1)}
-        for n in CURVE
-    }
-    compare(folder, counts, "captures", fewer | {"phasor": {}})
+    rows: Rows = {name: {} for name in (*METHODS, *TOLD) if name != "phasor"}
+    for row, method in TUNED_ROWS.items():
+        rows[row] = {"method": method, "weights": best}
+    compare(counts, "photon", rows)
+    sweep(counts, {NETWORK: {"weights": best}, "kde": {}, "reference-contact": {}})
+    rows["phasor"] = {}
+    for n in CURVE:
+        rows[f"{n} scans"] = {"method": NETWORK, "weights": tuned_weights(n, 1)}
+    compare(counts, "captures", rows)
 
 
 if __name__ == "__main__":
-    typer.run(main)
+    main()

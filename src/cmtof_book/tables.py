@@ -7,12 +7,13 @@
 Without names: every method and reference. Only methods that are new or have other weights are
 counted, unless ``--again`` is given. With ``--runs`` weights are counted by their folders' names.
 With ``--size`` the test views are rendered at that size first; ``--offset`` adds to the phases of
-the two frequencies, mrad (Table 3).
+the two frequencies, mrad (Table 3). The file is named by table and options.
 """
 
 import json
 import os
-from collections.abc import Iterable, Sequence
+from collections.abc import Iterable, Iterator, Sequence
+from itertools import zip_longest
 from pathlib import Path
 from typing import Annotated, Literal, NamedTuple
 
@@ -48,53 +49,29 @@ class Row(NamedTuple):
 
     def is_counted(self, held: Values) -> bool:
         """Whether these weights were counted before."""
-        names = held["frames"][0]["methods"] if held["frames"] else ()
+        names = {name for frame in held["frames"] for name in frame["methods"]}
         return self.name in names and held["weights"].get(self.name, "") == self.weights
 
 
-def rows_of_methods(methods: Sequence[str], protocol: str) -> list[Row]:
+def rows_of_methods(methods: Sequence[str], protocol: str) -> Iterator[Row]:
     """A row for each method; without names those that are ready, and the references."""
-    references = [
-        name for name, method in METHODS.items() if method.kind == "reference"
-    ]
-    chosen = methods or [*names_of("all", protocol), *references]
-    found = map(find_method, chosen)
-    return [
-        Row(one.name, one.name, weights_path(one.network, protocol)) for one in found
-    ]
+    references = [name for name, one in METHODS.items() if one.kind == "reference"]
+    for one in map(find_method, methods or [*names_of("all", protocol), *references]):
+        yield Row(one.name, one.name, weights_path(one.network, protocol))
 
 
-def rows_of_runs(runs: Path, protocol: str) -> list[Row]:
+def rows_of_runs(runs: Path, protocol: str) -> Iterator[Row]:
     """A row for each training in a folder."""
-    files = sorted(runs.glob(f"*/*.{protocol}.safetensors"))
-    return [Row(file.parent.name, read_card(file).model, file) for file in files]
+    for file in sorted(runs.glob(f"*/*.{protocol}.safetensors")):
+        yield Row(file.parent.name, read_card(file).model, file)
 
 
-def place_of(settings: Values, size: str, runs: Path | None) -> tuple[Path, str]:
-    """File of counts, and the options that make it."""
-    parts = [settings["protocol"], size, f"{settings['noise']:g}"]
-    options = f"--protocol {parts[0]} --noise {parts[2]}"
-    if size:
-        options += f" --size {size}"
-    table = 2
-    if runs:
-        table = 1
-        options += " --runs FOLDER"
-    elif "phase_offset" in settings:
-        table = 3
-        moved = [f"{1e3 * phase:g}" for phase in settings["phase_offset"]]
-        parts += moved
-        options += " --offset " + " ".join(moved)
-    name = "_".join(filter(None, parts))
-    return RESULTS / f"table{table}_{name}.json", options
-
-
-def stored_counts(path: Path, settings: Values, options: str) -> Values:
-    """Counts of a file, or an empty store where it is missing or has other settings."""
-    held = read_json(path)
-    if held.get("settings") != settings:
-        held = {"settings": settings, "weights": {}, "cards": {}, "frames": []}
-    return held | {"command": f"python -m cmtof_book.tables {options}"}
+def path_of(settings: Values, size: str, runs: Path | None) -> Path:
+    """File of counts."""
+    offset = [f"{1e3 * phase:g}" for phase in settings.get("phase_offset", ())]
+    table = f"table{1 if runs else 3 if offset else 2}"
+    words = [table, settings["protocol"], size, f"{settings['noise']:g}", *offset]
+    return RESULTS / f"{'_'.join(filter(None, words))}.json"
 
 
 def count(held: Values, row: Row, frames: Iterable[Frame]) -> None:
@@ -104,9 +81,8 @@ def count(held: Values, row: Row, frames: Iterable[Frame]) -> None:
         held["weights"][row.name] = row.weights
         evaluation.options = {"weights": row.file}
     counts = evaluation.add_all(frames).counts()
-    old = held["frames"] or [{"methods": {}} for _ in counts]
-    for new, before in zip(counts, old, strict=True):
-        new["methods"] = before["methods"] | {row.name: new["methods"][row.method]}
+    for new, old in zip_longest(counts, held["frames"], fillvalue={"methods": {}}):
+        new["methods"] = old["methods"] | {row.name: new["methods"][row.method]}
     held["frames"] = counts
     scores = evaluation.report()["methods"][row.method]
     print(row.name, {key: round(rate, 4) for key, rate in scores.items()}, flush=True)
@@ -114,13 +90,10 @@ def count(held: Values, row: Row, frames: Iterable[Frame]) -> None:
 
 def write(held: Values, path: Path) -> None:
     """Store counts, one frame a line, with their hash."""
-    frames = ",\n".join(json.dumps(frame) for frame in held["frames"])
-    head = {key: part for key, part in held.items() if key != "frames"}
-    head |= {"version": __version__, "sha256": digest(held["frames"])}
+    held |= {"version": __version__, "sha256": digest(held["frames"])}
+    text = json.dumps(held).replace('{"frame": ', '\n{"frame": ')
     with written_whole(path) as part:
-        part.write_text(
-            json.dumps(head)[:-1] + f',\n"frames": [\n{frames}\n]}}\n', "utf-8"
-        )
+        part.write_text(text + "\n", "utf-8")
 
 
 def main(
@@ -138,8 +111,10 @@ def main(
     settings: Values = {"protocol": protocol, "noise": noise, "seed": 0}
     if any(offset):
         settings["phase_offset"] = [phase / 1e3 for phase in offset]
-    path, options = place_of(settings, size, runs)
-    held = stored_counts(path, settings, options)
+    path = path_of(settings, size, runs)
+    held = read_json(path)
+    if held.get("settings") != settings:
+        held = {"settings": settings, "size": size, "weights": {}, "frames": []}
     rows = rows_of_runs(runs, protocol) if runs else rows_of_methods(methods, protocol)
     rows = [row for row in rows if again or not row.is_counted(held)]
     if rows:
@@ -147,9 +122,8 @@ def main(
         for row in rows:
             count(held, row, frames)
             if runs:
-                held["cards"][row.name] = read_card(row.file).model_dump(
-                    exclude={"sha256"}
-                )
+                card = read_card(row.file).model_dump(exclude={"sha256"})
+                held.setdefault("cards", {})[row.name] = card
             write(held, path)
 
 
