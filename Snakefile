@@ -6,19 +6,18 @@ import os
 import shutil
 from pathlib import Path
 
-from cmtof_book.graph import Book, parameters_from_text
+from cmtof_book import graph
 
 PROFILE = config.get("profile", "book")
 # a reader's own parameters, as in `make figure F=fig13 P="repeats=6"`: built apart from the book
-OWN = parameters_from_text(os.environ.get("P", ""))
+OWN = graph.parameters_from_text(os.environ.get("P", ""))
 BUILD = config.get("build", "build/own" if OWN else f"build/{PROFILE}")
 PYTHON = ".venv/bin/python"
-CHAPTERS = Book(Path(workflow.basedir))
-NOTEBOOKS = CHAPTERS.notebooks()
+NOTEBOOKS = graph.notebooks()
 
 
 def parameters_of(wildcards):
-    parameters = CHAPTERS.parameters(wildcards.notebook, PROFILE) | OWN
+    parameters = graph.parameters(wildcards.notebook, PROFILE) | OWN
     return json.dumps(parameters, sort_keys=True)
 
 
@@ -41,7 +40,7 @@ rule all:
 
 rule notebook:
     input:
-        lambda wildcards: CHAPTERS.inputs(wildcards.notebook),
+        lambda wildcards: graph.inputs(wildcards.notebook),
     output:
         executed=f"{BUILD}/notebooks/{{notebook}}.ipynb",
         results=directory(f"{BUILD}/results/{{notebook}}"),
@@ -56,8 +55,8 @@ rule stage:
     input:
         executed=expand(f"{BUILD}/notebooks/{{notebook}}.ipynb", notebook=NOTEBOOKS),
         results=expand(f"{BUILD}/results/{{notebook}}", notebook=NOTEBOOKS),
-        chapters=CHAPTERS.chapters(),
-        tool=CHAPTERS.tool("stage"),
+        chapters=graph.chapters(),
+        tool=graph.tool("stage"),
     output:
         directory(f"{BUILD}/stage"),
     shell:
@@ -68,7 +67,7 @@ rule book:
     input:
         f"{BUILD}/stage",
         "environment.lock",
-        CHAPTERS.tool("render"),
+        graph.tool("render"),
     output:
         directory(f"{BUILD}/html"),
     shell:

@@ -3,8 +3,9 @@
     python -m cmtof_book.execute NOTEBOOK PARAMETERS RESULT FOLDER
 
 ``NOTEBOOK`` is the percent-format source, ``PARAMETERS`` a JSON object, ``RESULT`` the executed
-notebook and ``FOLDER`` where its figures and checks go. Both appear only after the last cell; what
-a failed run leaves lies in ``build/PROFILE/failed`` together with its log.
+notebook and ``FOLDER`` where its figures and checks go. Both appear only after the last cell, where
+Snakemake has made room for them; what a failed run leaves lies in ``build/PROFILE/failed`` together
+with its log.
 """
 
 import json
@@ -26,7 +27,7 @@ import nbformat  # noqa: E402
 import papermill  # noqa: E402
 from papermill.exceptions import PapermillExecutionError  # noqa: E402
 
-from cmtof_book import ROOT, THREADS, Values  # noqa: E402
+from cmtof_book import THREADS, Values  # noqa: E402
 from cmtof_book.pairs import notebook_from_script  # noqa: E402
 
 LIBRARIES = ("numpy", "scipy", "numba", "scikit-image", "sympy", "xarray", "matplotlib")
@@ -50,6 +51,7 @@ def environment(work: Path) -> dict[str, str]:
         "IPYTHONDIR": str(work / "ipython"),
         **{name: os.environ.get(name, "1") for name in THREADS},
         "PYTHONHASHSEED": "0",
+        "JUPYTER_PATH": "",
         "JUPYTER_PREFER_ENV_PATH": "1",
         "PYDEVD_DISABLE_FILE_VALIDATION": "1",
     }
@@ -57,14 +59,8 @@ def environment(work: Path) -> dict[str, str]:
 
 def commit() -> str:
     """Return the short commit of the checkout, marked where files differ from it, or ''."""
-    command = ["git", "describe", "--always", "--dirty", "--exclude=*"]
-    try:
-        found = subprocess.run(
-            command, cwd=ROOT, capture_output=True, text=True, check=False
-        )
-    except OSError:
-        return ""
-    return found.stdout.strip()
+    command = "git describe --always --dirty '--exclude=*' 2>/dev/null"
+    return subprocess.getoutput(command)
 
 
 def provenance(parameters: Values, started: float) -> Values:
@@ -114,25 +110,16 @@ def main(notebook: str, parameters: str, *places: str) -> None:
     work = result.parents[1] / "failed" / script.stem
     shutil.rmtree(work, ignore_errors=True)
     (work / "results").mkdir(parents=True)
-    os.environ.pop("JUPYTER_PATH", None)
     os.environ.update(environment(work))
     started = time.time()
     try:
         execute(script, json.loads(parameters), work)
-    except PapermillExecutionError as error:
-        text = (  # the cell, its code and its traceback
-            f"\n{script.name} failed in cell {error.exec_count}:\n\n{error.source}\n\n"
-            + "\n".join(error.traceback)
-            + f"\n\nThe notebook as far as it came: {work / script.with_suffix('.ipynb').name}\n"
-        )
+    except (PapermillExecutionError, ValueError) as error:
+        text = f"{script.name}: {error}"
         (work / "log.txt").write_text(text, "utf-8")
-        sys.exit(f"{text}This message again: {work / 'log.txt'}")
-    except ValueError as error:
-        sys.exit(f"{script.name}: {error}")
-    shutil.rmtree(folder, ignore_errors=True)
-    for made, place in {"results": folder, result.name: result}.items():
-        place.parent.mkdir(parents=True, exist_ok=True)
-        (work / made).replace(place)
+        sys.exit(f"{text}\nThis again, and the notebook as far as it came: {work}")
+    (work / "results").replace(folder)
+    (work / result.name).replace(result)
     shutil.rmtree(work)
     print(f"{script.stem}: {time.time() - started:.1f} s", file=sys.stderr, flush=True)
 

@@ -54,25 +54,25 @@ def take_newer(script: Path) -> None:
     """Write the script again where the cells of the notebook differ and are younger."""
     notebook = script.with_suffix(".ipynb")
     if notebook.is_file() and notebook.stat().st_mtime > script.stat().st_mtime:
-        halves = nbformat.read(notebook, 4), notebook_from_script(script)
-        if len({tuple(cell.source for cell in half.cells) for half in halves}) > 1:
+        old = [cell.source for cell in notebook_from_script(script).cells]
+        if old != [cell.source for cell in nbformat.read(notebook, 4).cells]:
             jupytext_cli(["--sync", "--quiet", str(notebook)])
 
 
 def main(mode: str) -> int:
     """Write, or with ``--check`` only name, every pair that is not the same; give the exit code."""
     scripts = sorted((ROOT / "notebooks").glob("[0-9][0-9]_*.py"))
-    check = mode == "--check"
     if mode == "--newer":
         for script in scripts:
             take_newer(script)
         return 0
-    stale = [script.with_suffix(".ipynb") for script in scripts if not same(script)]
-    for notebook in stale:
-        print(f"{'differs' if check else 'written'}: {notebook.relative_to(ROOT)}")
+    check = mode == "--check"
+    stale = [script for script in scripts if not same(script)]
+    for script in stale:
+        print(f"{'differs' if check else 'written'}: {script.stem}.ipynb")
         if not check:
-            with written_whole(notebook) as part:
-                nbformat.write(notebook_from_script(notebook.with_suffix(".py")), part)
+            with written_whole(script.with_suffix(".ipynb")) as part:
+                nbformat.write(notebook_from_script(script), part)
     return int(check and bool(stale))
 
 

@@ -64,7 +64,9 @@ def main() -> None:
         for name, number in sorted(found.items())
     ]
     STORED.write_text("{\n" + ",\n".join(lines) + "\n}\n", "utf-8")
-    print(f"{sum(np.size(number.value) for number in found.values())} numbers in {STORED.name}")
+    print(
+        f"{sum(np.size(number.value) for number in found.values())} numbers in {STORED.name}"
+    )
 
 
 if __name__ == "__main__":

@@ -15,8 +15,7 @@ import nbformat
 import typer
 from nbformat.v4 import new_code_cell, new_markdown_cell
 
-from cmtof_book import ROOT, Values, claims, laboratory, pages, scoreboard
-from cmtof_book.graph import Book
+from cmtof_book import ROOT, Values, claims, graph, laboratory, pages, scoreboard
 from cmtof_book.live import PAGE
 from cmtof_book.markdown import myst
 from cmtof_book.notes import SAID
@@ -169,13 +168,12 @@ def copy_drawn(build: Path, book: Path) -> None:
 
 def main(build: Path, stage: Path) -> None:
     """Lay out the book of ``build`` in ``stage``."""
-    book = Book(ROOT)
     shutil.rmtree(stage, ignore_errors=True)
     (stage / "notebooks").mkdir(parents=True)
-    for chapter in map(Path, book.chapters()):
+    for chapter in map(Path, graph.chapters()):
         (stage / chapter.parent).mkdir(parents=True, exist_ok=True)
         shutil.copyfile(ROOT / chapter, stage / chapter)
-    for stem in book.notebooks():
+    for stem in graph.notebooks():
         name = f"notebooks/{stem}.ipynb"
         stage_notebook(build / name, stage / name)
     write_pages(build, stage / "book")

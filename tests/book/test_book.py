@@ -13,7 +13,7 @@ from cmtof_book.paper import published_numbers
 
 BUILD = ROOT / "build" / "ci"
 HTML = BUILD / "html"
-NOTEBOOKS = graph.Book(ROOT).notebooks()
+NOTEBOOKS = graph.notebooks()
 ERRATA = (ROOT / "notebooks" / "22_errata.py").read_text("utf-8")
 PAGES = [p for p in sorted(HTML.rglob("*.html")) if "_static" not in p.parts]
 

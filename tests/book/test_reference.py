@@ -17,5 +17,7 @@ def test_numbers_agree_with_the_stored_ones():
 
 def test_few_numbers_are_compared():
     assert (
-        100 < sum(np.size(one.value) for one in reference.stored_numbers().values()) <= MOST
+        100
+        < sum(np.size(one.value) for one in reference.stored_numbers().values())
+        <= MOST
     )

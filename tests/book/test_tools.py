@@ -11,39 +11,29 @@ from cmtof.evaluation import Evaluation, read_counts
 from cmtof.frame import held_out_frames
 from cmtof_book import RESULTS, ROOT, figures, graph, pairs, tables
 
-BOOK = graph.Book(ROOT)
-
 
 @mark.parametrize(
-    ("script", "reached", "unreached"),
+    ("module", "reached", "unreached"),
     [
-        ("from cmtof import jones\n", {"jones.py"}, {"correlation.py"}),
-        (
-            "def f():\n    from cmtof.simulation import simulate\n",
-            {"correlation.py"},
-            {"stereo.py"},
-        ),
-        ("import cmtof\ncmtof.open('m.nc')\n", {"measurement.py"}, {"unwrapping.py"}),
-        (
-            "import cmtof\ncmtof.unwrap(m)\n",
-            {"unwrapping.py", "fast-scnn.released.json"},
-            set(),
-        ),
-        ("from cmtof_book.paper import check\n", {"paper.yml"}, {"measurement.py"}),
-        ("from cmtof.scenes import load_frame\n", {"still_life.npz"}, {"paper.yml"}),
-        ("import numpy\n", set(), {"__init__.py"}),
+        ("cmtof.jones", {"jones.py"}, {"correlation.py"}),
+        ("cmtof_book.replication", {"bounds.py"}, {"stereo.py"}),
+        ("cmtof_book.laboratory", {"objects.py"}, {"stereo.py"}),  # in a function
+        ("cmtof_book.swipe", {"measurement.py"}, {"unwrapping.py"}),
+        ("cmtof_book.scanned", {"unwrapping.py", "fast-scnn.released.json"}, set()),
+        ("cmtof_book.paper", {"paper.yml"}, {"measurement.py"}),
+        ("cmtof.scenes", {"still_life.npz"}, {"paper.yml"}),
+        ("notebooks.01_correlation", {"01_correlation.py"}, {"02_precision.py"}),
     ],
 )
-def test_a_notebook_depends_on_what_it_reaches(tmp_path, script, reached, unreached):
-    (tmp_path / "notebook.py").write_text(script)
-    found = {file.name for file in BOOK.closure(tmp_path / "notebook.py")}
+def test_a_module_depends_on_what_it_reaches(module, reached, unreached):
+    found = {file.name for file in graph.closure(module)}
     assert found >= reached
     assert not found & unreached
 
 
 def test_every_data_file_of_the_package_belongs_to_a_module():
-    scripts = [*map(BOOK.script, BOOK.notebooks()), ROOT / "src/cmtof_book/stage.py"]
-    modules = set().union(*map(BOOK.closure, scripts))
+    asked = [f"notebooks.{stem}" for stem in graph.notebooks()]
+    modules = set().union(*map(graph.closure, [*asked, "cmtof_book.stage"]))
     listed = subprocess.run(
         ["git", "ls-files", "src"], cwd=ROOT, capture_output=True, text=True, check=True
     ).stdout.split()
@@ -54,13 +44,14 @@ def test_every_data_file_of_the_package_belongs_to_a_module():
     }  # the command line's own
 
 
-def test_unknown_profiles_and_notebooks_are_refused(tmp_path):
+def test_unknown_profiles_and_notebooks_are_refused(tmp_path, monkeypatch):
     with raises(FileNotFoundError, match="got 'huge'. Choose ci, book or paper"):
-        BOOK.parameters("01_correlation", "huge")
+        graph.parameters("01_correlation", "huge")
+    monkeypatch.setattr(graph, "ROOT", tmp_path)
     (tmp_path / "configs").mkdir()
     (tmp_path / "configs" / "ci.yml").write_text("notebooks: {99_lost: {size: 1}}")
-    with raises(ValueError, match="got 99_lost. Correct or remove"):
-        graph.Book(tmp_path).parameters("01_correlation", "ci")
+    with raises(ValueError, match="ci.yml, got 99_lost. Correct or remove"):
+        graph.parameters("01_correlation", "ci")
 
 
 def test_notebook_pairs_agree():
