@@ -2,13 +2,11 @@
 
 import re
 from collections.abc import Iterable
-from dataclasses import dataclass
 from functools import cache
 from pathlib import Path
-from typing import Any
+from typing import Any, NamedTuple
 
 from cmtof.files import read_document
-from cmtof.types import Texts
 from cmtof_book import Values, pages
 from cmtof_book.paper import estimate_text, result_text
 from cmtof_book.record import TEXT, Record
@@ -25,20 +23,11 @@ from cmtof_book.verdict import (
 TOKEN = re.compile(r"\{([^{}|]+)(?:\|([^{}]+))?\}")
 
 
-@dataclass(frozen=True, kw_only=True)
-class Claim:
-    """One main claim, as ``claims.yml`` explains it, with the numbers that decide it."""
+class Claim(NamedTuple):
+    """One main claim, what ``claims.yml`` tells about it, and the numbers that decide it."""
 
     name: str
-    title: str
-    says: str
-    quote: str
-    where: str
-    answer: str
-    keys: Texts  # and what a number is called where there are several
-    figure: str
-    chapter: str
-    overturn: str
+    about: Values
     scores: list[Score]
 
     @property
@@ -66,7 +55,9 @@ class Claim:
         """What our numbers leave undecided, with the names of those where there are several."""
         names: dict[str, list[str]] = {}
         for one in behind:
-            names.setdefault(one.undecided, []).append(self.keys[one.number.key])
+            names.setdefault(one.undecided, []).append(
+                self.about["keys"][one.number.key]
+            )
         return [
             sentence(f"{' and '.join(called)}: {text}".removeprefix(": "))
             for text, called in names.items()
@@ -97,7 +88,7 @@ def _document() -> Values:
 def claims(scores: Scores) -> list[Claim]:
     """The ten claims, in the order of the paper."""
     return [
-        Claim(name=name, scores=[scores[key] for key in held["keys"]], **held)
+        Claim(name, held, [scores[key] for key in held["keys"]])
         for name, held in _document()["claims"].items()
     ]
 
@@ -151,7 +142,7 @@ def table(numbers: Numbers) -> str:
 
 def page(claim: Claim, numbers: Numbers) -> str:
     """Return the page of a claim; its figure lies beside it."""
-    drawn = numbers.records[f"{claim.chapter}/{claim.figure}"].content
+    drawn = numbers.records["{chapter}/{figure}".format(**claim.about)].content
     return pages.page("claim", claim=claim, drawn=drawn, fill=numbers.fill)
 
 

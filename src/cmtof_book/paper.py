@@ -6,8 +6,7 @@ A notebook calls `check` for each number of ``paper.yml`` that it touches; the v
 
 import math
 from collections import Counter
-from collections.abc import Iterator, Mapping
-from dataclasses import dataclass
+from collections.abc import Mapping
 from difflib import get_close_matches
 from functools import cache
 from pathlib import Path
@@ -16,6 +15,7 @@ from typing import Any, Literal
 import numpy as np
 import yaml
 from matplotlib.ticker import EngFormatter
+from pydantic.dataclasses import dataclass
 
 from cmtof_book import Values, notes, provenance, record
 from cmtof_book.compared import Compared
@@ -29,7 +29,7 @@ class Published:
     """One number of the paper, as ``paper.yml`` explains it; SI units, percentages as fractions."""
 
     key: str
-    value: float
+    value: int | float
     unit: str
     where: str
     what: str
@@ -67,36 +67,21 @@ def dependencies() -> dict[str, Dependency]:
 
 @cache
 def published_numbers() -> dict[str, Published]:
-    """Every published number by its key, in the order of the paper."""
-    entries = [(name, held) for name, held in _document().items() if name[0] != "_"]
-    return {
-        one.key: one for name, fields in entries for one in _numbers_of(name, **fields)
-    }
-
-
-def _numbers_of(
-    key: str,
-    *,
-    value: Any,
-    what: str,
-    tolerance: dict[str, float],
-    columns: Any = None,
-    **fields: Any,
-) -> Iterator[Published]:
-    """The number of an entry, or those of a row of a table, one a column."""
-    if columns:
-        for (column, title), one in zip(columns.items(), value, strict=True):
-            yield from _numbers_of(
-                f"{key}.{column}",
-                value=one,
-                what=f"{what}, {title}",
-                tolerance=tolerance,
-                **fields,
-            )
-    else:
-        scale = {"absolute": 1.0, "relative": abs(value)}
-        least = min(scale[kind] * size for kind, size in tolerance.items())
-        yield Published(key=key, value=value, what=what, tolerance=least, **fields)
+    """Every published number by its key, in the order of the paper; a row of a table has some."""
+    numbers = {}
+    for name, held in _document().items():
+        if name[0] == "_":
+            continue
+        columns = held.get("columns") or {"": ""}
+        values = np.atleast_1d(held["value"]).tolist()
+        for (column, title), value in zip(columns.items(), values, strict=True):
+            scale = {"absolute": 1.0, "relative": abs(value)}
+            allowed = [scale[kind] * size for kind, size in held["tolerance"].items()]
+            key = f"{name}.{column}".rstrip(".")
+            what = f"{held['what']}, {title}".rstrip(", ")
+            own = {"key": key, "value": value, "what": what, "tolerance": min(allowed)}
+            numbers[key] = Published(**held | own)
+    return numbers
 
 
 def published(key: str) -> Published:
@@ -139,13 +124,10 @@ def table() -> None:
     """Show what a chapter has checked so far: the paper's number, ours, the verdict."""
     rows = []
     for key, held in record.read(record.PAPER).items():
-        profile = provenance.RUN["profile"]
-        score = Score.of(
-            published(key), held["cases"], profile=profile, crops=held["crops"]
-        )
-        number = score.number
+        number = published(key)
+        ours = result_text(Score(number, held["cases"]))
         what = f"{number.where}, {number.what}"
-        rows.append([what, number.text(), result_text(score), score.verdict])
+        rows.append([what, number.text(), ours, held["verdict"]])
     verdicts = Counter(row[-1] for row in rows)
     said = ", ".join(f"{count} {name}" for name, count in verdicts.most_common())
     fold = f"{len(rows)} numbers: {said}" if len(rows) > 12 else ""

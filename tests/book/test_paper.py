@@ -274,7 +274,9 @@ def test_the_accepted_verdicts_follow_from_the_accepted_numbers():
     for claim in claims_by(
         {}
     ).values():  # the chapter of its figure computes its numbers
-        assert {held[key]["chapter"] for key in claim.keys} == {claim.chapter}
+        assert {held[key]["chapter"] for key in claim.about["keys"]} == {
+            claim.about["chapter"]
+        }
 
 
 def test_claims_are_filled_with_numbers_of_the_build():
@@ -303,7 +305,7 @@ def test_claims_of_the_book_name_what_exists():
     listed = re.findall(r"book/claims/(\w+)", (ROOT / "_toc.yml").read_text("utf-8"))
     assert listed == list(claims_by({}))
     for claim in claims_by({}).values():
-        assert claim.figure in figures
+        assert claim.about["figure"] in figures
 
 
 def test_figures_tables_and_equations_are_found_where_they_stand(tmp_path):
