@@ -11,14 +11,7 @@ from cmtof_book import Values, pages
 from cmtof_book.paper import estimate_text, result_text
 from cmtof_book.record import TEXT, Record
 from cmtof_book.scoreboard import Scores
-from cmtof_book.verdict import (
-    WORST_FIRST,
-    Dependency,
-    Estimate,
-    Outcome,
-    Score,
-    sentence,
-)
+from cmtof_book.verdict import Estimate, Outcome, Score, sentence, worst
 
 TOKEN = re.compile(r"\{([^{}|]+)(?:\|([^{}]+))?\}")
 
@@ -33,7 +26,7 @@ class Claim(NamedTuple):
     @property
     def outcome(self) -> Outcome:
         """The worst verdict of its numbers."""
-        return min(self.scores, key=lambda one: WORST_FIRST.index(one.verdict)).verdict
+        return worst(self.scores).verdict
 
     @property
     def why(self) -> str:
@@ -41,9 +34,8 @@ class Claim(NamedTuple):
         behind = [one for one in self.scores if one.verdict == self.outcome]
         if self.outcome == "untested":
             return behind[0].reason
-        told = ", ".join(
-            dict.fromkeys(d.short for one in behind for d in one.differing)
-        )
+        differing = [one.short for score in behind for one in score.differing]
+        told = ", ".join(dict.fromkeys(differing))
         if told and self.outcome == "reproduced":
             return f"It holds although {told} differ or are not stated."
         lines = self.left_open(behind)
@@ -67,17 +59,14 @@ class Claim(NamedTuple):
     @property
     def dependencies(self) -> dict[str, bool]:
         """What we have of each thing on which its numbers depend, and whether it is the paper's."""
-        held: dict[str, tuple[Dependency, Score]] = {}
-        for score in sorted(
-            self.scores, key=lambda one: not one.chapter
-        ):  # computed ones first
+        held: dict[str, tuple[str, bool]] = {}
+        computed_first = sorted(self.scores, key=lambda one: not one.chapter)
+        for score in computed_first:
             for one in score.number.dependencies():
-                held.setdefault(one.name, (one, score))
-        return {
-            one.text(score): one.is_papers(score)
-            for one, score in held.values()
-            if one.name != "sizes" or not one.is_papers(score)
-        }
+                held.setdefault(one.name, (one.text(score), one.is_papers(score)))
+        if held.get("sizes", ("", False))[1]:
+            del held["sizes"]
+        return dict(held.values())
 
 
 @cache

@@ -18,7 +18,7 @@ from typing import get_args
 from cmtof_book import Values, pages
 from cmtof_book.paper import published, published_numbers
 from cmtof_book.record import PAPER, Record
-from cmtof_book.verdict import WORST_FIRST, Outcome, Score
+from cmtof_book.verdict import WORST_FIRST, Outcome, Score, worst
 
 Scores = dict[str, Score]  # all published numbers with our results, by key
 
@@ -36,19 +36,16 @@ SHOWN: tuple[Outcome, ...] = ("reproduced", "contradicted", "open")
 
 def scores_in(records: Iterable[Record]) -> Scores:
     """Every published number with the result of the runs, that of the worst verdict of several."""
-    scores = {key: Score(number) for key, number in published_numbers().items()}
+    found: defaultdict[str, list[Score]] = defaultdict(list)
     for record in records:
         for key, held in record.numbers.items() if record.name == PAPER else ():
-            score = Score.of(
-                published(key),
-                held["cases"],
-                crops=held["crops"],
-                chapter=record.chapter,
-                profile=record.content["provenance"]["profile"],
-            )
-            both = (scores[key], score) if scores[key].chapter else (score,)
-            scores[key] = min(both, key=lambda one: WORST_FIRST.index(one.verdict))
-    return scores
+            about = {"crops": held["crops"], "chapter": record.chapter}
+            about["profile"] = record.content["provenance"]["profile"]
+            found[key].append(Score.of(published(key), held["cases"], **about))
+    return {
+        key: worst(found[key] or [Score(number)])
+        for key, number in published_numbers().items()
+    }
 
 
 def page(

@@ -7,7 +7,7 @@ or *changed*. What nobody can compare is *untested*.
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass, field
 from typing import TYPE_CHECKING, Any, Literal, NamedTuple
 
@@ -83,13 +83,9 @@ def place_of(number: Published, ours: Estimate) -> Place:
     """Whether the paper's number agrees with an estimate, disagrees, or neither can be said."""
     # the slack keeps a value on the very edge from failing by the last bit of a float
     slack = number.tolerance + 4e-16 * (abs(ours.value) + abs(number.value))
-    if number.relation in ("lt", "gt"):
-        sign = 1 if number.relation == "lt" else -1
-        met = {
-            sign * (end - number.value) < number.tolerance
-            for end in (ours.low, ours.high)
-        }
-        return "undecided" if len(met) == 2 else "inside" if met.pop() else "outside"
+    if sign := {"lt": 1, "gt": -1}.get(number.relation):
+        met = [sign * (end - number.value) < number.tolerance for end in ours[1:]]
+        return "inside" if all(met) else "undecided" if any(met) else "outside"
     if max(ours.low - number.value, number.value - ours.high) > slack:
         return "outside"
     near = abs(ours.value - number.value) <= slack
@@ -173,6 +169,11 @@ class Score:
         if self.verdict != "open" or not found:
             return ""
         return f"It would be decided by: {'; '.join(found)}."
+
+
+def worst(scores: Iterable[Score]) -> Score:
+    """The score of the worst verdict, the first of several."""
+    return min(scores, key=lambda one: WORST_FIRST.index(one.verdict))
 
 
 def sentence(text: str) -> str:
