@@ -33,8 +33,7 @@ from cmtof.methods import METHODS
 from cmtof.network.weights import read_card, weights_path
 from cmtof.statistics import reliability
 from cmtof_book import notes, paper, plotting
-from cmtof_book.comparison import Scene, comparison_figure
-from cmtof_book.swipe import show_swipe
+from cmtof_book.comparison import Scene, comparison_figure, show_swipe
 
 plotting.begin(profile=profile, seed=seed)
 # rows of the paper's Table 2, by their names in paper.yml

@@ -34,9 +34,8 @@ from cmtof.measurement import Measurement
 from cmtof.network.weights import read_card, weights_path
 from cmtof.pointcloud import normals_from_points, points_from_depth
 from cmtof_book import notes, paper, plotting, scanned, views
-from cmtof_book.comparison import Scene
+from cmtof_book.comparison import Scene, show_swipe
 from cmtof_book.scanned import four_phases, frame_of, scan_object
-from cmtof_book.swipe import show_swipe
 from cmtof_lab.objects import FIELD_OF_VIEW
 from cmtof_lab.optics import directions_from_angles
 from cmtof_lab.rehearsal import scan_scene

@@ -25,7 +25,7 @@ SETTINGS = Settings(seed=3, scenes=10_000, views=2, height=384, width=512)
 COUNT, COVERAGE = 32, (0.2, 0.9)
 
 
-def view_across(index: int, settings: Settings = SETTINGS) -> Frame:
+def view_across(index: int, settings: Settings) -> Frame:
     """First view across the room of that number."""
     room = build_room(settings.seed, index)
     lens = settings.lens(index)

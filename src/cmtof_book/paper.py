@@ -144,10 +144,10 @@ def result_text(score: Score, digits: int = 4) -> str:
     return "; ".join(map(str.strip, texts)) or "not finite"
 
 
-def estimate_text(one: Estimate, unit: str, digits: int = 4) -> str:
+def estimate_text(one: Estimate, unit: str, digits: int) -> str:
     """A number with its interval, where it has one.
 
-    >>> estimate_text(Estimate.of((0.435, 0.345, 0.525)), "fraction")
+    >>> estimate_text(Estimate.of((0.435, 0.345, 0.525)), "fraction", 3)
     '43.5 % (34.5–52.5 %)'
     """
     if one.low == one.high:

@@ -27,18 +27,18 @@ RESULTS = Path(os.environ.get("CMTOF_RESULTS") or ROOT / "build" / "ci" / "resul
 Numbers = dict[str, Compared]
 
 
-def found_numbers(results: Path = RESULTS) -> Numbers:
+def found_numbers() -> Numbers:
     """Numbers of a build that have a kind."""
     return {
         f"{record.chapter}/{record.name}/{name}": number
-        for record in read_all(results)
+        for record in read_all(RESULTS)
         for name, number in record.compared().items()
     }
 
 
-def stored_numbers(path: Path = STORED) -> Numbers:
+def stored_numbers() -> Numbers:
     """Numbers as they were stored."""
-    return {name: Compared(**record) for name, record in read_json(path).items()}
+    return {name: Compared(**record) for name, record in read_json(STORED).items()}
 
 
 def differences(found: Numbers, stored: Numbers) -> Iterator[str]:

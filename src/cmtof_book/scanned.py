@@ -185,9 +185,7 @@ def kept(name: str, made: Callable[[], Measurement]) -> Measurement:
     return cmtof.open(path)
 
 
-def kept_scan(
-    name: str, noise: Noise = "captures", seed: int = 0, **rigged: Any
-) -> Measurement:
+def kept_scan(name: str, noise: Noise, seed: int = 0, **rigged: Any) -> Measurement:
     """Scan of an object as `scan_object` makes it."""
     other = "".join(f"_{x:g}" for x in rigged.values())
     scan = partial(scan_object, name, noise, seed=seed, **rigged)

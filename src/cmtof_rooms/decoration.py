@@ -28,13 +28,13 @@ from cmtof_rooms.solids import (
 from cmtof_rooms.things import level_light
 
 
-def lamp(kit: Kit, space: Box, *, style: str = "stand", power: float = 1.0) -> Piece:
+def lamp(kit: Kit, space: Box, *, style: str = "stand") -> Piece:
     """A lamp on a stand, a pendant on its cord, or a panel under the ceiling."""
     height = space.z1
     radius = min(space.x1, space.y1)
-    shade = kit.material("shade")._replace(emission=power)
+    shade = kit.material("shade")._replace(emission=1.0)
     if style == "panel":
-        yield level_light((0, 0, -0.01), radius, radius, power)
+        yield level_light((0, 0, -0.01), radius, radius, 1.0)
         yield shade, space
         return
     tall, narrow = kit.draw("shade")
@@ -51,11 +51,11 @@ def lamp(kit: Kit, space: Box, *, style: str = "stand", power: float = 1.0) -> P
         ]
         cone = revolution([(radius, 0), (narrow, tall)])
         half = 0.5 * narrow
-        yield level_light((0, 0, height + 0.05), half, half, power, 0.0)
+        yield level_light((0, 0, height + 0.05), half, half, 1.0, 0.0)
         yield metal, revolution(stand)
         yield shade, move(cone, (0, 0, height - tall))
     else:
-        yield level_light((0, 0, -0.03), radius, radius, power)
+        yield level_light((0, 0, -0.03), radius, radius, 1.0)
         if kit.chance(0.4):
             body = ball((radius, radius, tall / 2))
         else:
@@ -106,11 +106,10 @@ def cloth(
     space: Box,
     *,
     style: str = "curtain",
-    material: str = "fabric",
 ) -> Piece:
     """A curtain in folds, a rug on the floor, or a towel that hangs."""
     if style == "rug":
-        yield _rug(kit, space, material)
+        yield _rug(kit, space)
         return
     width, depth, height = space.size
     thickness = 0.006
@@ -120,16 +119,16 @@ def cloth(
     phase = kit.between(0, 2 * np.pi) + 0.3 * np.sin(3 * z / height + kit.between(0, 6))
     wave = np.sin(2 * np.pi * folds * (x / width + 0.5) + phase)
     y = (depth / 2 - thickness) * wave * (1 - 0.3 * z / height)
-    yield material, sheet(np.stack([x, y, z], -1), thickness)
+    yield "fabric", sheet(np.stack([x, y, z], -1), thickness)
 
 
-def _rug(kit: Kit, space: Box, material: str) -> Solids:
+def _rug(kit: Kit, space: Box) -> Solids:
     """A rug, a fifth of them oval."""
     x0, x1, y0, y1 = space.floor
     outline = np.array([(x0, y0), (x1, y0), (x1, y1), (x0, y1)])
     if kit.chance(0.2):
         outline = ellipse(*space.size[:2], 40)
-    return material, extrusion(outline, space.z1)
+    return "fabric", extrusion(outline, space.z1)
 
 
 def plant(kit: Kit, space: Box, *, style: str = "leaves") -> Piece:
@@ -203,13 +202,12 @@ def pipe(
     kit: Kit,
     space: Box,
     *,
-    count: Sequence[int] = (1, 2),
     level: bool = False,
 ) -> Piece:
     """Upright pipes from floor to height, or level rails from side to side."""
     radius = min(0.4 * space.size[1], 0.03)
     metal = kit.material("metal")
-    number = kit.count(count)
+    number = kit.count((1, 2))
     paths = _rails(space, radius, number) if level else _risers(space, number)
     for path in paths:
         yield metal, sweep(_rounded(path), radius, 10)

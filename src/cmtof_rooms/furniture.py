@@ -34,13 +34,12 @@ def table(
     *,
     legs: str = "four",
     round_top: float = 0.0,
-    material: str = "wood",
 ) -> Piece:
     """A top on four legs, two panels, or a pedestal; ``round_top`` is the share of round ones."""
     width, depth, height = space.size
     thickness = min(kit.between(0.02, 0.05), height / 4)
     board = space.layer("z1", thickness)
-    wood = kit.material(material)
+    wood = kit.material("wood")
     reach = 0.5  # of the place for things, as a share of the size
     if kit.chance(round_top):
         disc = extrusion(ellipse(width, depth), thickness)

@@ -18,7 +18,7 @@ from cmtof_book import RESULTS, ROOT, figures, graph, pairs, tables
         ("cmtof.jones", {"jones.py"}, {"correlation.py"}),
         ("cmtof_book.replication", {"bounds.py"}, {"stereo.py"}),
         ("cmtof_book.laboratory", {"objects.py"}, {"stereo.py"}),  # in a function
-        ("cmtof_book.swipe", {"measurement.py"}, {"unwrapping.py"}),
+        ("cmtof_book.comparison", {"measurement.py"}, {"unwrapping.py"}),
         ("cmtof_book.scanned", {"unwrapping.py", "fast-scnn.released.json"}, set()),
         ("cmtof_book.paper", {"paper.yml"}, {"measurement.py"}),
         ("cmtof.scenes", {"still_life.npz"}, {"paper.yml"}),
