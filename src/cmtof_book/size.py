@@ -10,8 +10,6 @@ still larger; ``--accept`` stores the values of today as limits.
 
 import ast
 import json
-import re
-import subprocess
 import sys
 from collections import Counter
 from collections.abc import Iterator
@@ -42,7 +40,6 @@ LIMITS = {
     "functions of many names": 15,  # that it binds, parameters included
     "functions of many parameters": 7,
     "long functions": 60,
-    "complex functions": 12,  # branches, as ruff counts them (C901)
 }
 
 Function = ast.FunctionDef | ast.AsyncFunctionDef
@@ -131,20 +128,6 @@ def measured(module: Module) -> Iterator[Finding]:
         yield Finding("functions of many parameters", len(parameters(function)), place)
 
 
-def complexities() -> Iterator[Finding]:
-    """Functions of too many branches."""
-    most = f"lint.mccabe.max-complexity={LIMITS['complex functions']}"
-    options = f"--isolated --select C901 --output-format concise --config {most}"
-    command = [sys.executable, "-m", "ruff", "check", *VOLUME, *options.split()]
-    done = subprocess.run(
-        command, cwd=ROOT, capture_output=True, text=True, check=False
-    )
-    for place, value in re.findall(
-        r"^(\S+:\d+):\d+: C901 .*\((\d+) >", done.stdout, re.M
-    ):
-        yield Finding("complex functions", int(value), place)
-
-
 def page_lines() -> int:
     """Lines of JavaScript, CSS and templates of the book."""
     files = chain(
@@ -168,7 +151,7 @@ def rows_of(part: str, modules: list[Module]) -> Rows:
 def everything() -> tuple[Rows, list[Finding]]:
     """All rows of the table, and what is over its limit."""
     rows: Rows = {}
-    found = [*complexities()]
+    found: list[Finding] = []
     for part in VOLUME:
         modules = [read_module(path) for path in sorted((ROOT / part).rglob("*.py"))]
         rows |= rows_of(part, modules)
