@@ -63,6 +63,7 @@ rule stage:
         "{PYTHON} -m cmtof_book.stage {BUILD} {output}"
 
 
+# every warning is an error; the log without colours, which are for a terminal
 rule book:
     input:
         f"{BUILD}/stage",
@@ -70,6 +71,13 @@ rule book:
         graph.tool("render"),
     output:
         directory(f"{BUILD}/html"),
+    log:
+        f"{BUILD}/book.log",
+    params:
+        built=f"{BUILD}/sphinx",
     shell:
-        "{PYTHON} -m cmtof_book.render {input[0]} {output}"
-
+        "rm -rf {params.built};"
+        " NO_COLOR=1 .venv/bin/jupyter-book build {input[0]} -W -n --keep-going -q"
+        " --path-output {params.built} > {log} 2>&1 || {{ grep -E 'WARNING|ERROR' {log} || cat {log};"
+        " echo 'The book did not build; warnings count as errors. Log: {log}'; exit 1; }} >&2;"
+        " {PYTHON} -m cmtof_book.render {params.built} {output}"

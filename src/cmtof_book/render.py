@@ -1,20 +1,18 @@
-"""Build the staged book to HTML, strictly: every warning is an error.
+"""The book's pages, from what jupyter-book has built: light to load, with texts to search.
 
-python -m cmtof_book.render STAGE HTML
+    python -m cmtof_book.render BUILT HTML
 
-It builds from nothing each time, since pages that Sphinx takes from its cache repeat no warning.
-The full log lies beside ``HTML`` as ``book.log``. What no page loads is left out.
+The Snakefile runs jupyter-book before, strictly and from nothing each time, since pages that Sphinx
+takes from its cache repeat no warning.
 """
 
 import json
 import re
 import shutil
-import subprocess
 import sys
 from html import escape
 from pathlib import Path
 
-import typer
 from bs4 import BeautifulSoup
 
 from cmtof.types import Texts
@@ -56,28 +54,14 @@ def store_texts(html: Path) -> None:
         path.write_text(f"const cmtof{name} = {json.dumps(held)};", "utf-8")
 
 
-def main(stage: Path, html: Path) -> None:
-    """Build ``stage`` and put the pages at ``html``; exit code 1 where it does not build."""
-    work, log = html.with_name("sphinx"), html.with_name("book.log")
-    shutil.rmtree(work, ignore_errors=True)
-    options = ["-W", "-n", "--keep-going", "-q", "--path-output", work]
-    command = [Path(sys.executable).with_name("jupyter-book"), "build", stage, *options]
-    done = subprocess.run(
-        command, stdout=subprocess.PIPE, stderr=subprocess.STDOUT, text=True
-    )
-    text = re.sub(r"\x1b\[[0-9;]*m", "", done.stdout)  # colours are for a terminal
-    log.write_text(text, "utf-8")
-    if done.returncode:
-        told = re.findall(r".*(?:WARNING|ERROR).*", text)
-        print("\n".join(told) or text, file=sys.stderr)
-        sys.exit(f"The book did not build; warnings count as errors. Log: {log}")
-    shutil.rmtree(html, ignore_errors=True)
-    (work / "_build" / "html").replace(html)
-    shutil.rmtree(work)
+def main(built: Path, html: Path) -> None:
+    """Put the pages of a folder that jupyter-book has written at ``html``."""
+    (built / "_build" / "html").replace(html)
+    shutil.rmtree(built)
     lighten(html)
     store_texts(html)
     print(f"book: {html / 'index.html'}", file=sys.stderr, flush=True)
 
 
 if __name__ == "__main__":
-    typer.run(main)
+    main(*map(Path, sys.argv[1:]))
