@@ -41,13 +41,15 @@ rule all:
 rule notebook:
     input:
         lambda wildcards: graph.inputs(wildcards.notebook),
+        "tools/execute.sh",
     output:
         executed=f"{BUILD}/notebooks/{{notebook}}.ipynb",
         results=directory(f"{BUILD}/results/{{notebook}}"),
     params:
         parameters=parameters_of,
+        work=os.path.abspath(f"{BUILD}/failed/{{notebook}}"),
     shell:
-        "{PYTHON} -m cmtof_book.execute notebooks/{wildcards.notebook}.py {params.parameters:q}"
+        "tools/execute.sh notebooks/{wildcards.notebook}.py {params.parameters:q} {params.work:q}"
         " {output.executed} {output.results}"
 
 

@@ -1,16 +1,14 @@
-"""Run one notebook with the parameters of a profile, on a copy, and keep it only when it is whole.
+"""Run one notebook with the parameters of a profile.
 
-    python -m cmtof_book.execute NOTEBOOK PARAMETERS RESULT FOLDER
+    python -m cmtof_book.execute NOTEBOOK PARAMETERS RESULT
 
 ``NOTEBOOK`` is the percent-format source, ``PARAMETERS`` a JSON object, ``RESULT`` the executed
-notebook and ``FOLDER`` where its figures and checks go. Both appear only after the last cell, where
-Snakemake has made room for them; what a failed run leaves lies in ``build/PROFILE/failed`` together
-with its log.
+notebook. The Snakefile sets the variables that make a run repeatable: few threads, nobody's
+start-up, and ``CMTOF_OUTPUT``, the folder for figures and checks. It keeps results when they are
+whole; what a failed run leaves lies in ``build/PROFILE/failed`` together with its log.
 """
 
 import json
-import os
-import shutil
 import subprocess
 import sys
 import time
@@ -27,34 +25,10 @@ import nbformat  # noqa: E402
 import papermill  # noqa: E402
 from papermill.exceptions import PapermillExecutionError  # noqa: E402
 
-from cmtof_book import THREADS, Values  # noqa: E402
+from cmtof_book import Values  # noqa: E402
 from cmtof_book.pairs import notebook_from_script  # noqa: E402
 
 LIBRARIES = ("numpy", "scipy", "numba", "scikit-image", "sympy", "xarray", "matplotlib")
-
-
-def environment(work: Path) -> dict[str, str]:
-    """Return the variables that make a run repeatable: this Python, few threads, nobody's start-up.
-
-    The kernel's settings lie in the folder ``work``; they silence its remarks on its own workings
-    and spare it the grammar.
-    """
-    settings = work / "ipython" / "profile_default"
-    settings.mkdir(parents=True)
-    (settings / "ipython_kernel_config.py").write_text(
-        "c = get_config()\nc.Application.log_level = 50\n"
-        f"c.InteractiveShellApp.exec_lines = [{NO_GRAMMAR!r}]\n",
-        encoding="utf-8",
-    )
-    return {
-        "CMTOF_OUTPUT": str(work / "results"),
-        "IPYTHONDIR": str(work / "ipython"),
-        **{name: os.environ.get(name, "1") for name in THREADS},
-        "PYTHONHASHSEED": "0",
-        "JUPYTER_PATH": "",
-        "JUPYTER_PREFER_ENV_PATH": "1",
-        "PYDEVD_DISABLE_FILE_VALIDATION": "1",
-    }
 
 
 def commit() -> str:
@@ -76,13 +50,12 @@ def provenance(parameters: Values, started: float) -> Values:
     }
 
 
-def execute(script: Path, parameters: Values, work: Path) -> None:
-    """Run the notebook in the folder ``work``; its copy there shows how far it came."""
+def execute(script: Path, parameters: Values, result: Path) -> None:
+    """Run a notebook; ``result`` shows how far it came."""
     started = time.time()
-    staged = work / script.with_suffix(".ipynb").name
-    nbformat.write(notebook_from_script(script), staged)
+    nbformat.write(notebook_from_script(script), result)
     defaults = {
-        name: one["default"] for name, one in papermill.inspect_notebook(staged).items()
+        name: one["default"] for name, one in papermill.inspect_notebook(result).items()
     }
     if unknown := sorted(
         parameters.keys() - defaults
@@ -92,36 +65,26 @@ def execute(script: Path, parameters: Values, work: Path) -> None:
             f"{', '.join(unknown)}. Correct P or configs/{parameters['profile']}.yml."
         )
     executed: Any = papermill.execute_notebook(
-        staged,
-        staged,
+        result,
+        result,
         parameters=parameters,
         kernel_name="python3",
         cwd=str(script.parent),
         progress_bar=False,
         start_timeout=600,  # s; a busy machine takes more than the usual minute
     )
-    executed.metadata["cmtof"] = provenance({**defaults, **parameters}, started)
-    nbformat.write(executed, staged)
+    about = provenance({**defaults, **parameters}, started)
+    executed.metadata["cmtof"] = about
+    nbformat.write(executed, result)
+    print(f"{script.stem}: {about['seconds']} s", file=sys.stderr, flush=True)
 
 
-def main(notebook: str, parameters: str, *places: str) -> None:
-    """Run one notebook; ``places`` are RESULT and FOLDER. Exit code 1 where it fails."""
-    script, result, folder = (Path(name).resolve() for name in (notebook, *places))
-    work = result.parents[1] / "failed" / script.stem
-    shutil.rmtree(work, ignore_errors=True)
-    (work / "results").mkdir(parents=True)
-    os.environ.update(environment(work))
-    started = time.time()
+def main(notebook: str, parameters: str, result: str) -> None:
+    """Run one notebook; exit code 1 where it fails."""
     try:
-        execute(script, json.loads(parameters), work)
+        execute(Path(notebook), json.loads(parameters), Path(result))
     except (PapermillExecutionError, ValueError) as error:
-        text = f"{script.name}: {error}"
-        (work / "log.txt").write_text(text, "utf-8")
-        sys.exit(f"{text}\nThis again, and the notebook as far as it came: {work}")
-    (work / "results").replace(folder)
-    (work / result.name).replace(result)
-    shutil.rmtree(work)
-    print(f"{script.stem}: {time.time() - started:.1f} s", file=sys.stderr, flush=True)
+        sys.exit(f"{notebook}: {error}\nThe notebook as far as it came: {result}")
 
 
 if __name__ == "__main__":
