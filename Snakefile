@@ -14,6 +14,13 @@ OWN = graph.parameters_from_text(os.environ.get("P", ""))
 BUILD = config.get("build", "build/own" if OWN else f"build/{PROFILE}")
 PYTHON = ".venv/bin/python"
 NOTEBOOKS = graph.notebooks()
+# what the book is built from beside the notebooks; its guide to the hardware shows the rig
+CHAPTERS = [
+    str(path)
+    for pattern in ("_*.yml", "src/cmtof/hardware/rig.*", "book/**/*")
+    for path in sorted(Path().glob(pattern))
+    if path.is_file()
+]
 
 
 def parameters_of(wildcards):
@@ -57,12 +64,16 @@ rule stage:
     input:
         executed=expand(f"{BUILD}/notebooks/{{notebook}}.ipynb", notebook=NOTEBOOKS),
         results=expand(f"{BUILD}/results/{{notebook}}", notebook=NOTEBOOKS),
-        chapters=graph.chapters(),
+        chapters=CHAPTERS,
         tool=graph.tool("stage"),
     output:
         directory(f"{BUILD}/stage"),
     shell:
-        "{PYTHON} -m cmtof_book.stage {BUILD} {output}"
+        "mkdir -p {output}/notebooks {output}/book/{{claims,_static/{{numbers,scenes}}}};"
+        " tar -cf - {input.chapters:q} | tar -xf - -C {output};"
+        " cp {BUILD}/results/*/*_*.csv {output}/book/_static/numbers;"
+        " cp {BUILD}/results/*/*_*.js {output}/book/_static/scenes;"
+        " {PYTHON} -m cmtof_book.stage {BUILD} {output} {input.executed}"
 
 
 # every warning is an error; the log without colours, which are for a terminal
@@ -82,4 +93,6 @@ rule book:
         " NO_COLOR=1 .venv/bin/jupyter-book build {input[0]} -W -n --keep-going -q"
         " --path-output {params.built} > {log} 2>&1 || {{ grep -E 'WARNING|ERROR' {log} || cat {log};"
         " echo 'The book did not build; warnings count as errors. Log: {log}'; exit 1; }} >&2;"
-        " {PYTHON} -m cmtof_book.render {params.built} {output}"
+        " mv {params.built}/_build/html {output} && rm -r {params.built};"
+        " cp notebooks/*.ipynb {output}/_sources/notebooks;"  # without the outputs that pages show
+        " {PYTHON} -m cmtof_book.render {output}"

@@ -84,14 +84,6 @@ def check_stems(stems: Iterable[str], source: str) -> None:
         )
 
 
-def chapters() -> list[str]:
-    """Every file that the book is built from, notebooks and generated pages left out."""
-    pages = filter(Path.is_file, (ROOT / "book").rglob("*"))
-    shown = (ROOT / "src" / "cmtof" / "hardware").glob("rig.*")  # by its guide
-    every = [*ROOT.glob("_*.yml"), *shown, *pages]
-    return sorted(str(path.relative_to(ROOT)) for path in every)
-
-
 def parameters(stem: str, profile: str) -> Values:
     """Parameters that a profile sets for a notebook."""
     path = ROOT / "configs" / f"{profile}.yml"

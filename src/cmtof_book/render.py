@@ -1,6 +1,6 @@
-"""The book's pages, from what jupyter-book has built: light to load, with texts to search.
+"""The book's pages, as jupyter-book has built them: light to load, with texts to search.
 
-    python -m cmtof_book.render BUILT HTML
+    python -m cmtof_book.render HTML
 
 The Snakefile runs jupyter-book before, strictly and from nothing each time, since pages that Sphinx
 takes from its cache repeat no warning.
@@ -8,7 +8,6 @@ takes from its cache repeat no warning.
 
 import json
 import re
-import shutil
 import sys
 from html import escape
 from pathlib import Path
@@ -16,7 +15,6 @@ from pathlib import Path
 from bs4 import BeautifulSoup
 
 from cmtof.types import Texts
-from cmtof_book import ROOT
 
 SHOWN = "div.math[id], figure[id], dt[id^=term], div.citation[id], [id^=erratum-]"
 UNUSED = re.compile(
@@ -25,12 +23,10 @@ UNUSED = re.compile(
 
 
 def lighten(html: Path) -> None:
-    """Remove what no page loads; offer notebooks without the outputs that their pages show."""
+    """Remove what no page loads."""
     for file in (html / "_static").rglob("*"):
         if file.is_file() and UNUSED.search(file.as_posix()):
             file.unlink()
-    for notebook in html.glob("_sources/notebooks/*"):
-        shutil.copyfile(ROOT / "notebooks" / notebook.name, notebook)
 
 
 def store_texts(html: Path) -> None:
@@ -54,14 +50,8 @@ def store_texts(html: Path) -> None:
         path.write_text(f"const cmtof{name} = {json.dumps(held)};", "utf-8")
 
 
-def main(built: Path, html: Path) -> None:
-    """Put the pages of a folder that jupyter-book has written at ``html``."""
-    (built / "_build" / "html").replace(html)
-    shutil.rmtree(built)
-    lighten(html)
-    store_texts(html)
-    print(f"book: {html / 'index.html'}", file=sys.stderr, flush=True)
-
-
 if __name__ == "__main__":
-    main(*map(Path, sys.argv[1:]))
+    PAGES = Path(sys.argv[1])
+    lighten(PAGES)
+    store_texts(PAGES)
+    print(f"book: {PAGES / 'index.html'}", file=sys.stderr, flush=True)

@@ -1,31 +1,29 @@
-"""Lay out what the book is built from: chapters, executed notebooks, scoreboard, provenance.
+"""Pages of the book that a build makes: notebooks, scoreboard, claims, provenance.
 
-    python -m cmtof_book.stage BUILD STAGE
+    python -m cmtof_book.stage BUILD STAGE NOTEBOOK...
 
-``BUILD`` is ``build/PROFILE`` with the executed notebooks and their results. The layout of
-``STAGE`` is that of the checkout, so that links to the source stay right.
+``BUILD`` is ``build/PROFILE`` with the executed notebooks and their results. In ``STAGE``, whose
+layout is that of the checkout, so that links to the source stay right, the Snakefile has put the
+chapters before, and the points of figures and scenes.
 """
 
 import re
 import shutil
+import sys
 from pathlib import Path
 from typing import Any
 
 import nbformat
-import typer
 from nbformat.v4 import new_code_cell, new_markdown_cell
 
-from cmtof_book import ROOT, Values, claims, graph, laboratory, pages, scoreboard
+from cmtof_book import Values, claims, laboratory, pages, scoreboard
 from cmtof_book.live import PAGE
 from cmtof_book.markdown import myst
 from cmtof_book.notes import SAID
 from cmtof_book.plotting import CAPTION
 from cmtof_book.record import read_all
-from cmtof_book.views import STATIC
 
-NUMBERS = "_static/numbers"  # of the figures, in the book
-# Where pages look for what chapters have written, by its suffix.
-PLACES = {"js": STATIC, "csv": NUMBERS}
+NUMBERS = "_static/numbers"  # of the figures, where the Snakefile puts them
 
 
 def caption(about: Values, stem: str) -> str:
@@ -150,36 +148,25 @@ def write_pages(build: Path, book: Path) -> None:
     }
     for claim in claims.claims(numbers.scores):
         texts[f"claims/{claim.name}"] = claims.page(claim, numbers)
-    (book / "claims").mkdir()
     for name, text in texts.items():
         (book / f"{name}.md").write_text(text, "utf-8")
 
 
 def copy_drawn(build: Path, book: Path) -> None:
-    """Copy what chapters have drawn to where pages look for it; never committed."""
-    for suffix, place in PLACES.items():
-        (book / place).mkdir(parents=True, exist_ok=True)
-        for file in build.glob(f"results/*/*_*.{suffix}"):
-            shutil.copyfile(file, book / place / file.name)
+    """Copy the figures that the first page and those of the claims show beside these pages."""
     for page in (book / "intro.md", *book.glob("claims/*.md")):
         for name in re.findall(r"\w+\.(?:png|svg)$", page.read_text("utf-8"), re.M):
             shutil.copyfile(next(build.glob(f"results/*/{name}")), page.with_name(name))
 
 
-def main(build: Path, stage: Path) -> None:
-    """Lay out the book of ``build`` in ``stage``."""
-    shutil.rmtree(stage, ignore_errors=True)
-    (stage / "notebooks").mkdir(parents=True)
-    for chapter in map(Path, graph.chapters()):
-        (stage / chapter.parent).mkdir(parents=True, exist_ok=True)
-        shutil.copyfile(ROOT / chapter, stage / chapter)
-    for stem in graph.notebooks():
-        name = f"notebooks/{stem}.ipynb"
-        stage_notebook(build / name, stage / name)
+def main(build: Path, stage: Path, *notebooks: Path) -> None:
+    """Add the pages of ``build``, executed notebooks among them, to the chapters in ``stage``."""
+    for executed in notebooks:
+        stage_notebook(executed, stage / "notebooks" / executed.name)
     write_pages(build, stage / "book")
     copy_drawn(build, stage / "book")
     laboratory.write(stage / "book" / "_static" / "laboratory")
 
 
 if __name__ == "__main__":
-    typer.run(main)
+    main(*map(Path, sys.argv[1:]))

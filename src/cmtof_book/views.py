@@ -18,8 +18,6 @@ from cmtof.pointcloud import mesh_triangles
 from cmtof.types import Array, Pair
 from cmtof_book import Values, live, provenance
 
-STATIC = "_static/scenes"  # where `cmtof_book.stage` puts the files
-
 
 class Layer(NamedTuple):
     """A surface, points (H, W, 3), m, coloured by values (H, W) on a scale between two ends."""
