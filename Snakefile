@@ -9,6 +9,13 @@ from pathlib import Path
 from cmtof_book import graph
 
 PROFILE = config.get("profile", "book")
+
+
+configfile: f"configs/{PROFILE}.yml"
+
+
+SIZES = config["notebooks"] or {}
+graph.check_stems(SIZES, f"configs/{PROFILE}.yml")
 # a reader's own parameters, as in `make figure F=fig13 P="repeats=6"`: built apart from the book
 OWN = graph.parameters_from_text(os.environ.get("P", ""))
 BUILD = config.get("build", "build/own" if OWN else f"build/{PROFILE}")
@@ -24,7 +31,7 @@ CHAPTERS = [
 
 
 def parameters_of(wildcards):
-    parameters = graph.parameters(wildcards.notebook, PROFILE) | OWN
+    parameters = {**(SIZES.get(wildcards.notebook) or {}), "profile": PROFILE, **OWN}
     return json.dumps(parameters, sort_keys=True)
 
 
@@ -48,6 +55,8 @@ rule all:
 rule notebook:
     input:
         lambda wildcards: graph.inputs(wildcards.notebook),
+        "environment.lock",
+        "src/cmtof_book/execute.py",
         "tools/execute.sh",
     output:
         executed=f"{BUILD}/notebooks/{{notebook}}.ipynb",

@@ -20,7 +20,7 @@ from cmtof import __version__, simulate, unwrap
 from cmtof.constants import FREQUENCIES
 from cmtof.correlation import wrap_length
 from cmtof.estimate import SETS
-from cmtof.evaluation import COVERAGE, Tally, scored_pixels
+from cmtof.evaluation import COVERAGE, scored_pixels
 from cmtof.frame import Frame
 from cmtof.measurement import Measurement
 from cmtof.simulation import staged_depth
@@ -28,7 +28,7 @@ from cmtof.statistics import conformal_quantile
 from cmtof.types import Array, Fields, Values
 from cmtof_book import RESULTS
 from cmtof_book.frames import SETTINGS, views
-from cmtof_book.scanned import SHOWN, Counts, kept_scan
+from cmtof_book.scanned import SHOWN, Counts, kept_scan, tallies
 
 CALIBRATED, CHECKED = (301, 80), (613, 40)
 """Seed of the rooms, and how many."""
@@ -98,13 +98,10 @@ def measurements(
 
 def counted(method: str, made: Callable[[], Iterable[Measurement]]) -> Fields:
     """Means over rooms of the shares right and covered and of the wraps in a set; their errors."""
-    shares = []
-    for seen in made():
-        counts = Tally().add(scored_pixels(unwrap(seen, method=method), seen))
-        kept = {"right": counts["below"][0]} | {one: counts[one] for one in COVERAGE}
-        shares.append({name: kept[name] / counts["pixels"] for name in kept})
-    table = pd.DataFrame(shares)
-    found = {"means": table.mean().to_dict(), "errors": table.sem().to_dict()}
+    counts = pd.DataFrame(tallies(made(), method=method))
+    counts["right"] = counts["below"].str[0]
+    shares = counts[["right", *COVERAGE]].div(counts["pixels"], axis=0)
+    found = {"means": shares.mean().to_dict(), "errors": shares.sem().to_dict()}
     return {"rooms": len(shares)} | found
 
 

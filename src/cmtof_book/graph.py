@@ -84,20 +84,8 @@ def check_stems(stems: Iterable[str], source: str) -> None:
         )
 
 
-def parameters(stem: str, profile: str) -> Values:
-    """Parameters that a profile sets for a notebook."""
-    path = ROOT / "configs" / f"{profile}.yml"
-    if not path.is_file():
-        raise FileNotFoundError(
-            f"Expected a profile of configs/, got {profile!r}. Choose ci, book or paper."
-        )
-    sizes = read_document(path).get("notebooks") or {}
-    check_stems(sizes, f"configs/{profile}.yml")
-    return {**(sizes.get(stem) or {}), "profile": profile}
-
-
 def inputs(stem: str) -> list[str]:
-    """Every file that a notebook's results depend on.
+    """Every file that a notebook reaches or reads.
 
     ``configs/inputs.yml`` names what it reads beside the packages; data are optional.
     """
@@ -106,8 +94,7 @@ def inputs(stem: str) -> list[str]:
     if base := data_root():
         for word in declared.get("data", ()):
             read += Path(base, word).rglob("*")
-    own = {ROOT / "environment.lock", path_of("cmtof_book.execute")}
-    found = own | closure(f"notebooks.{stem}") | set(filter(Path.is_file, read))
+    found = closure(f"notebooks.{stem}").union(filter(Path.is_file, read))
     return sorted(map(str, found))
 
 

@@ -7,7 +7,7 @@ computed again. Rates and fine-tuned weights go where the chapters read them: bo
 """
 
 import shutil
-from collections.abc import Callable, Iterable
+from collections.abc import Callable, Iterable, Iterator
 from dataclasses import replace
 from functools import partial, reduce
 from itertools import product
@@ -268,16 +268,18 @@ class Counts:
         write_json(self.path, self.held)
 
 
+def tallies(scans: Iterable[Measurement], **options: Any) -> Iterator[Values]:
+    """Counts of each measurement that is unwrapped with these options."""
+    for scan in scans:
+        yield Tally().add(scored_pixels(cmtof.unwrap(scan, **options), scan))
+
+
 def counts_of(
     scans: Iterable[Measurement], row: str, options: Values
 ) -> list[list[int]]:
     """Of each scan: scored pixels, and how many are off by fewer wraps than 1, 2, 3 and 10."""
-    rows = []
-    for scan in scans:
-        found = cmtof.unwrap(scan, **({"method": row} | options))
-        counted = Tally().add(scored_pixels(found, scan))
-        rows.append([counted["pixels"], *counted["below"]])
-    return rows
+    counted = tallies(scans, **({"method": row} | options))
+    return [[one["pixels"], *one["below"]] for one in counted]
 
 
 def given_to(method: str, name: str, noise: Noise, seed: int) -> Measurement:

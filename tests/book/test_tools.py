@@ -8,6 +8,7 @@ from pytest import approx, mark, raises
 
 from cmtof.estimate import SETS
 from cmtof.evaluation import Evaluation, read_counts
+from cmtof.files import read_document
 from cmtof.frame import held_out_frames
 from cmtof_book import RESULTS, ROOT, figures, graph, pairs, tables
 
@@ -44,14 +45,11 @@ def test_every_data_file_of_the_package_belongs_to_a_module():
     }  # the command line's own
 
 
-def test_unknown_profiles_and_notebooks_are_refused(tmp_path, monkeypatch):
-    with raises(FileNotFoundError, match="got 'huge'. Choose ci, book or paper"):
-        graph.parameters("01_correlation", "huge")
-    monkeypatch.setattr(graph, "ROOT", tmp_path)
-    (tmp_path / "configs").mkdir()
-    (tmp_path / "configs" / "ci.yml").write_text("notebooks: {99_lost: {size: 1}}")
-    with raises(ValueError, match="ci.yml, got 99_lost. Correct or remove"):
-        graph.parameters("01_correlation", "ci")
+def test_profiles_name_notebooks():
+    for path in (ROOT / "configs" / f"{name}.yml" for name in ("ci", "book", "paper")):
+        graph.check_stems(read_document(path)["notebooks"] or (), path.name)
+    with raises(ValueError, match="in ci.yml, got 99_lost. Correct or remove"):
+        graph.check_stems({"01_correlation": {}, "99_lost": {}}, "ci.yml")
 
 
 def test_notebook_pairs_agree():
