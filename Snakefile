@@ -78,8 +78,9 @@ rule stage:
     output:
         directory(f"{BUILD}/stage"),
     shell:
-        "mkdir -p {output}/notebooks {output}/book/{{claims,_static/{{numbers,scenes}}}};"
+        "mkdir -p {output}/notebooks {output}/book/{{claims,figures,_static/{{numbers,scenes}}}};"
         " tar -cf - {input.chapters:q} | tar -xf - -C {output};"
+        " cp {BUILD}/results/*/*.{{png,svg}} {output}/book/figures;"
         " cp {BUILD}/results/*/*_*.csv {output}/book/_static/numbers;"
         " cp {BUILD}/results/*/*_*.js {output}/book/_static/scenes;"
         " {PYTHON} -m cmtof_book.stage {BUILD} {output} {input.executed}"

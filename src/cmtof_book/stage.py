@@ -4,11 +4,10 @@
 
 ``BUILD`` is ``build/PROFILE`` with the executed notebooks and their results. In ``STAGE``, whose
 layout is that of the checkout, so that links to the source stay right, the Snakefile has put the
-chapters before, and the points of figures and scenes.
+chapters before, the figures, and the points of figures and scenes.
 """
 
 import re
-import shutil
 import sys
 from pathlib import Path
 from typing import Any
@@ -152,19 +151,11 @@ def write_pages(build: Path, book: Path) -> None:
         (book / f"{name}.md").write_text(text, "utf-8")
 
 
-def copy_drawn(build: Path, book: Path) -> None:
-    """Copy the figures that the first page and those of the claims show beside these pages."""
-    for page in (book / "intro.md", *book.glob("claims/*.md")):
-        for name in re.findall(r"\w+\.(?:png|svg)$", page.read_text("utf-8"), re.M):
-            shutil.copyfile(next(build.glob(f"results/*/{name}")), page.with_name(name))
-
-
 def main(build: Path, stage: Path, *notebooks: Path) -> None:
     """Add the pages of ``build``, executed notebooks among them, to the chapters in ``stage``."""
     for executed in notebooks:
         stage_notebook(executed, stage / "notebooks" / executed.name)
     write_pages(build, stage / "book")
-    copy_drawn(build, stage / "book")
     laboratory.write(stage / "book" / "_static" / "laboratory")
 
 
