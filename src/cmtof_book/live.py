@@ -6,9 +6,8 @@ The book's script draws them on its pages. JupyterLab gets the same script withi
 from html import escape
 from pathlib import Path
 
-from cmtof_book import ROOT
+from cmtof_book import ROOT, record
 
-PAGE = "cmtof-page"  # key in an output's metadata: the HTML that its page has instead
 STATIC = ROOT / "book" / "_static"
 
 # What the theme gives a page: colours and letters.
@@ -34,4 +33,8 @@ def show(html: str, *scripts: Path) -> None:
         f"<script>{''.join(acts)}</script>"
     )
     frame = f'<iframe width="100%" frameborder="0" onload="{GROW}" srcdoc="{held}">'
-    display({"text/html": f"{frame}</iframe>"}, raw=True, metadata={PAGE: html})
+    display(
+        {"text/html": f"{frame}</iframe>"},
+        raw=True,
+        metadata=record.shown("page", html=html),
+    )

@@ -6,8 +6,6 @@ from inspect import cleandoc
 
 from cmtof_book import record
 
-SAID = "cmtof-said"  # key in an output's metadata by which `cmtof_book.stage` knows a sentence
-
 NUMBER = re.compile(r"\W*(\d|inf|nan|$)")
 POWER = re.compile(r"(?<![\w`])(\d[\d.]*)e\+?(-?)0*(\d+)\b")
 
@@ -27,7 +25,7 @@ def _show(kind: str, text: str, numbers: dict[str, float | str]) -> None:
 
     record.add(record.TEXT, numbers)
     said = cleandoc(text).format(**numbers)
-    display({"text/markdown": said}, raw=True, metadata={SAID: kind})
+    display({"text/markdown": said}, raw=True, metadata=record.shown(kind))
 
 
 def table(

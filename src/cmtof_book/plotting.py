@@ -41,7 +41,6 @@ PALETTE: Texts = {  # in the order in which lines take them
 GREY = "#8A97A3"  # of reference lines
 PHASE_CMAP = "twilight"  # cyclic: 0 and 2π look alike, lightness carries the rest
 DEPTH_CMAP = "cividis"  # for depth, amplitude and counts
-CAPTION = "cmtof-caption"  # key in an output's metadata; pages put captions themselves
 WIDTH = 8.4  # inches, of a figure as wide as a page
 PAGE = 720  # px, of the book's text on a screen
 LEGIBLE = 9  # px, of the smallest text there
@@ -285,5 +284,8 @@ def _publish(picture: Path, about: Texts) -> None:
         kind = "image/svg+xml" if vector else "image/png"
         drawn = picture.read_text("utf-8") if vector else picture.read_bytes()
         publish = shell.display_pub.publish
-        publish({kind: drawn, "text/plain": about["alt"]}, {"cmtof": about})
-        publish({"text/markdown": about["caption"]}, {CAPTION: True})
+        told = {"text/markdown": about["caption"]}
+        publish(
+            {kind: drawn, "text/plain": about["alt"]}, record.shown("figure", **about)
+        )
+        publish(told, record.shown("caption"))  # pages put captions themselves

@@ -44,6 +44,11 @@ class Record(NamedTuple):
         }
 
 
+def shown(kind: str, **about: Any) -> Values:
+    """Metadata by which `cmtof_book.stage` knows what an output of a notebook is on the page."""
+    return {"cmtof": {"kind": kind, **about}}
+
+
 def write(name: str, numbers: Named, **about: Any) -> None:
     """Write a record, with what else there is to say about it, whole or not at all."""
     content = {**about, "numbers": numbers, "provenance": provenance.RUN}

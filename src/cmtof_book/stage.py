@@ -16,10 +16,7 @@ import nbformat
 from nbformat.v4 import new_code_cell, new_markdown_cell
 
 from cmtof_book import Values, claims, laboratory, pages, scoreboard
-from cmtof_book.live import PAGE
 from cmtof_book.markdown import myst
-from cmtof_book.notes import SAID
-from cmtof_book.plotting import CAPTION
 from cmtof_book.record import read_all
 
 NUMBERS = "_static/numbers"  # of the figures, where the Snakefile puts them
@@ -33,9 +30,8 @@ def caption(about: Values, stem: str) -> str:
     )
 
 
-def figure_cell(output: Any, stem: str) -> Any:
+def figure_cell(output: Any, about: Values, stem: str) -> Any:
     """A cell of its own for a saved figure, with the metadata that number it."""
-    about = output.metadata.pop("cmtof")
     name = "fig-" + about["name"].replace("_", "-")
     figure = {"caption": caption(about, stem), "name": name}
     metadata = {
@@ -45,32 +41,31 @@ def figure_cell(output: Any, stem: str) -> Any:
     return new_code_cell("# continued", outputs=[output], metadata=metadata)
 
 
-def taken(cell: Any, key: str) -> list[Any]:
-    """Outputs of a cell whose metadata have a key; the cell loses them."""
-    outputs = cell.get("outputs", [])
-    chosen = [output for output in outputs if key in output.get("metadata", {})]
-    for output in chosen:
-        outputs.remove(output)
-    return chosen
-
-
 def place_shown(notebook: Any, stem: str) -> None:
     """Make every saved figure, and every sentence that a run has written, a cell of its own.
 
-    The answer is repeated at the head.
+    The answer is repeated at the head. What a reader moves needs no frame on a page.
     """
     cells: list[Any] = []
     for cell in notebook.cells:
-        figures = [figure_cell(output, stem) for output in taken(cell, "cmtof")]
-        taken(cell, CAPTION)
-        said = taken(cell, SAID)
+        figures = []
+        said = []
+        for output in [*cell.get("outputs", ())]:
+            about = output.get("metadata", {}).pop("cmtof", {"kind": ""})
+            match about["kind"]:
+                case "page":
+                    output.data["text/html"] = about["html"]
+                case "figure":
+                    figures.append(figure_cell(output, about, stem))
+                case "text" | "answer":
+                    said.append(new_markdown_cell(output.data["text/markdown"]))
+            if about["kind"] not in ("", "page"):
+                cell.outputs.remove(output)
+            if about["kind"] == "answer":
+                put_behind_question([*cells, cell], said[-1].source)
         if not said or not cell.source.startswith("notes."):
             cells.append(cell)
-        cells += figures
-        for output in said:
-            cells.append(new_markdown_cell(output.data["text/markdown"]))
-            if output.metadata[SAID] == "answer":
-                put_behind_question(cells, cells[-1].source)
+        cells += figures + said
     notebook.cells = cells
 
 
@@ -122,16 +117,10 @@ def stage_notebook(executed: Path, target: Path) -> None:
     join_folded(notebook)
     about = pages.page("provenance", **notebook.metadata.pop("cmtof"))
     notebook.cells.append(new_markdown_cell(about))
-    notebook.metadata.pop("papermill", None)
     for number, cell in enumerate(notebook.cells):
         if cell.cell_type == "markdown":
             cell.source = myst(cell.source)
-        for output in cell.get("outputs", []):
-            if html := output.get("metadata", {}).pop(PAGE, ""):
-                output.data["text/html"] = html  # a page needs no frame
         cell["id"] = f"cell-{number:02d}"
-        for key in ("papermill", "execution"):
-            cell.metadata.pop(key, None)
     nbformat.write(notebook, target)
 
 
