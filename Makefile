@@ -30,7 +30,7 @@ SNAKEMAKE := $(BIN)/snakemake $(if $(ONE_AT_A_TIME),--nolock) --cores $(CORES) -
 	--rerun-incomplete --max-checksum-file-size 1000000000 --quiet host reason rules
 
 # what remains of Snakemake's talk: the table of jobs, the steps done, and every error
-CHATTER := ^(Assuming |Building DAG|Using shell|Provided cores|Rules claiming|Select jobs|Execute [0-9])
+CHATTER := ^(Assuming |Config file |Building DAG|Using shell|Provided cores|Rules claiming|Select jobs|Execute [0-9])
 CHATTER := $(CHATTER)|^(Finished jobid|Elapsed time|Complete log|\[.*20[0-9][0-9]\]$$)
 
 # $(call build,PROFILE,TARGET)

@@ -7,6 +7,7 @@ from pathlib import Path
 from typing import Any, NamedTuple
 
 from cmtof.files import read_document
+from cmtof.types import Texts
 from cmtof_book import Values, pages
 from cmtof_book.paper import estimate_text, result_text
 from cmtof_book.record import TEXT, Record
@@ -124,17 +125,20 @@ class Numbers:
         )
 
 
-def table(numbers: Numbers) -> str:
-    """Return the table of the first page: each claim, our answer, the verdict and why."""
-    return pages.page("claims", claims=claims(numbers.scores), fill=numbers.fill)
+def texts(numbers: Numbers) -> Texts:
+    """Pages by name: each claim's, the table of the first page, and what we found beyond the paper.
 
-
-def page(claim: Claim, numbers: Numbers) -> str:
-    """Return the page of a claim; its figure lies beside it."""
-    drawn = numbers.records["{chapter}/{figure}".format(**claim.about)].content
-    return pages.page("claim", claim=claim, drawn=drawn, fill=numbers.fill)
-
-
-def findings(numbers: Numbers) -> str:
-    """Return what we found that the paper does not have, as a list."""
-    return pages.page("findings", findings=_document()["findings"], fill=numbers.fill)
+    The table has each claim, our answer, the verdict and why. A claim's figure is that of a build.
+    """
+    every = claims(numbers.scores)
+    made = {
+        "claims": pages.page("claims", claims=every, fill=numbers.fill),
+        "findings": pages.page(
+            "findings", findings=_document()["findings"], fill=numbers.fill
+        ),
+    }
+    for claim in every:
+        drawn = numbers.records["{chapter}/{figure}".format(**claim.about)].content
+        text = pages.page("claim", claim=claim, drawn=drawn, fill=numbers.fill)
+        made[f"claims/{claim.name}"] = text
+    return made

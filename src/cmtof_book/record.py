@@ -2,7 +2,7 @@
 
 A record is a JSON file in the folder of a run. It holds ``numbers`` by name, and the run that made
 them. There is one for each figure (`cmtof_book.plotting.save`), one for what was checked against
-the paper (`cmtof_book.paper.check`), and one for what the text shows (`cmtof_book.notes.tell`). A
+the paper (`cmtof_book.paper.check`), and one for what the text shows (`cmtof_book.notes`). A
 number is plain, or has a kind (`cmtof_book.compared`), and then tests compare it with a stored one.
 The accepted figures, the scoreboard and the tests read records and nothing else.
 """

@@ -124,27 +124,16 @@ def stage_notebook(executed: Path, target: Path) -> None:
     nbformat.write(notebook, target)
 
 
-def write_pages(build: Path, book: Path) -> None:
-    """Write the scoreboard, a page for each claim, and what the first page includes."""
-    records = list(read_all(build / "results"))
-    numbers = claims.Numbers(scoreboard.scores_in(records), records)
-    chapters = sorted((build / "notebooks").glob("*.ipynb"))
-    texts = {
-        "scoreboard": scoreboard.page(numbers.scores, records, chapters),
-        "claims": claims.table(numbers),
-        "findings": claims.findings(numbers),
-    }
-    for claim in claims.claims(numbers.scores):
-        texts[f"claims/{claim.name}"] = claims.page(claim, numbers)
-    for name, text in texts.items():
-        (book / f"{name}.md").write_text(text, "utf-8")
-
-
 def main(build: Path, stage: Path, *notebooks: Path) -> None:
     """Add the pages of ``build``, executed notebooks among them, to the chapters in ``stage``."""
     for executed in notebooks:
         stage_notebook(executed, stage / "notebooks" / executed.name)
-    write_pages(build, stage / "book")
+    records = list(read_all(build / "results"))
+    numbers = claims.Numbers(scoreboard.scores_in(records), records)
+    board = scoreboard.page(numbers.scores, records, notebooks)
+    texts = {"scoreboard": board} | claims.texts(numbers)
+    for name, text in texts.items():
+        (stage / "book" / f"{name}.md").write_text(text, "utf-8")
     laboratory.write(stage / "book" / "_static" / "laboratory")
 
 

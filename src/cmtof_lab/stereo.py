@@ -86,8 +86,10 @@ class StereoRig:
         return points.reshape(*pixels.shape[1:-1], 3)
 
 
-def simulated_rig(*, baseline: float = 0.3, sensor: Sensor = SENSOR) -> StereoRig:
-    """Rig like Fig. 9a: cameras on either side of the scanner, axes meeting 3 m away."""
+def simulated_rig(
+    *, baseline: float = 0.3, converge: float = 3.0, sensor: Sensor = SENSOR
+) -> StereoRig:
+    """Rig like Fig. 9a: cameras on either side of the scanner, axes meeting ``converge`` m away."""
     focal = sensor.focal_length / sensor.pitch
     height, width = sensor.shape
     matrix = np.array(
@@ -98,7 +100,7 @@ def simulated_rig(*, baseline: float = 0.3, sensor: Sensor = SENSOR) -> StereoRi
         ]
     )
     half = baseline / 2
-    turn = np.arctan2(half, 3.0)
+    turn = np.arctan2(half, converge)
     left, right = (
         RigidTransform.from_components(
             [s * half, 0, 0], Rotation.from_rotvec([0, -s * turn, 0])
