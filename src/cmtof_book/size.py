@@ -12,10 +12,8 @@ import ast
 import json
 import sys
 from collections import Counter
-from collections.abc import Iterator
 from itertools import chain
 from pathlib import Path
-from typing import NamedTuple
 
 from cmtof_book import ROOT
 
@@ -43,42 +41,20 @@ LIMITS = {
 }
 
 Function = ast.FunctionDef | ast.AsyncFunctionDef
-Rows = dict[str, tuple[float, float]]  # A value and its budget, by name
+Rows = dict[str, tuple[float, float]]  # a value and its budget, by name
+Finding = tuple[str, float, str]  # name of a limit, value, and where
 
 
-class Finding(NamedTuple):
-    """What was measured of a module or function: the limit's name, the value, and where."""
-
-    limit: str
-    value: float
-    place: str
-
-
-class Module(NamedTuple):
-    """One file: nodes of its syntax tree, its number of code lines, and that of all lines."""
-
-    path: Path
-    nodes: list[ast.AST]
-    code: int
-    lines: int
-
-
-def read_module(path: Path) -> Module:
-    """Parse a file and count its code lines."""
-    source = path.read_text("utf-8")
-    nodes = [*ast.walk(ast.parse(source))]
-    lines = source.splitlines()
-    used = {
-        number
-        for number, line in enumerate(lines, 1)
-        if line.strip()[:1] not in ("", "#")
-    }
+def code_lines(source: str, nodes: list[ast.AST]) -> int:
+    """Number of lines that are not blank, comment or docstring."""
+    starts = [line.strip()[:1] for line in source.splitlines()]
+    used = {number for number, start in enumerate(starts, 1) if start not in ("", "#")}
     for node in nodes:
         if isinstance(node, ast.Module | ast.ClassDef | Function) and ast.get_docstring(
             node
         ):
             used.difference_update(lines_of(node.body[0]))
-    return Module(path, nodes, len(used), len(lines))
+    return len(used)
 
 
 def lines_of(statement: ast.stmt) -> range:
@@ -102,30 +78,29 @@ def bound_names(function: Function) -> set[str]:
     return stored.union(parameters(function))
 
 
-def packed_share(modules: list[Module]) -> float:
-    """Share of assignments that pack several values into one line, percent."""
-    packed = [
-        {type(node.value), type(node.targets[0])} == {ast.Tuple}
-        for module in modules
-        for node in module.nodes
-        if isinstance(node, ast.Assign)
-    ]
-    return 100 * sum(packed) / max(len(packed), 1)
-
-
-def measured(module: Module) -> Iterator[Finding]:
-    """What has a limit in a module and in its functions."""
-    name = str(module.path.relative_to(ROOT))
-    yield Finding("dense modules", len(module.nodes) / max(module.code, 1), name)
+def measured(path: Path) -> tuple[Counter, list[Finding]]:
+    """Counts of a file, and what has a limit in it and in its functions."""
+    source = path.read_text("utf-8")
+    nodes = [*ast.walk(ast.parse(source))]
+    name = str(path.relative_to(ROOT))
+    counts = Counter(nodes=len(nodes), code=code_lines(source, nodes))
+    density = counts["nodes"] / max(counts["code"], 1)
+    found: list[Finding] = [("dense modules", density, name)]
     if not name.startswith("notebooks"):
-        yield Finding("long modules", module.lines, name)
-    for function in module.nodes:
-        if not isinstance(function, Function):
-            continue
-        place = f"{name}:{function.lineno} {function.name}"
-        yield Finding("long functions", len(lines_of(function)), place)
-        yield Finding("functions of many names", len(bound_names(function)), place)
-        yield Finding("functions of many parameters", len(parameters(function)), place)
+        found.append(("long modules", len(source.splitlines()), name))
+    for node in nodes:
+        if isinstance(node, ast.Assign):
+            kinds = {type(node.value), type(node.targets[0])}
+            counts.update(assigned=1, packed=kinds == {ast.Tuple})
+        if isinstance(node, Function):
+            place = f"{name}:{node.lineno} {node.name}"
+            names = len(bound_names(node))
+            found += [
+                ("long functions", len(lines_of(node)), place),
+                ("functions of many names", names, place),
+                ("functions of many parameters", len(parameters(node)), place),
+            ]
+    return counts, found
 
 
 def page_lines() -> int:
@@ -137,30 +112,24 @@ def page_lines() -> int:
     return sum(path.read_bytes().count(b"\n") for path in files if path.suffix in kinds)
 
 
-def rows_of(part: str, modules: list[Module]) -> Rows:
-    """Volume, density and packing of a part."""
-    nodes = sum(len(module.nodes) for module in modules)
-    density = nodes / sum(module.code for module in modules)
-    return {
-        f"{part} volume": (nodes, VOLUME[part]),
-        f"{part} density": (round(density, 1), DENSITY),
-        f"{part} packed %": (round(packed_share(modules), 1), PACKED),
-    }
-
-
 def everything() -> tuple[Rows, list[Finding]]:
     """All rows of the table, and what is over its limit."""
     rows: Rows = {}
-    found: list[Finding] = []
+    over: list[Finding] = []
     for part in VOLUME:
-        modules = [read_module(path) for path in sorted((ROOT / part).rglob("*.py"))]
-        rows |= rows_of(part, modules)
-        found += [one for module in modules for one in measured(module)]
-    rows["book pages lines"] = (page_lines(), PAGES)
-    over = [one for one in found if one.value > LIMITS[one.limit]]
-    counts = Counter(one.limit for one in over)
-    rows |= {name: (count, 0) for name, count in counts.items()}
-    return rows, over
+        total = Counter()
+        for path in sorted((ROOT / part).rglob("*.py")):
+            counts, found = measured(path)
+            total.update(counts)
+            over += [one for one in found if one[1] > LIMITS[one[0]]]
+        density = round(total["nodes"] / total["code"], 1)
+        packed = round(100 * total["packed"] / total["assigned"], 1)
+        rows[f"{part} volume"] = total["nodes"], VOLUME[part]
+        rows[f"{part} density"] = density, DENSITY
+        rows[f"{part} packed %"] = packed, PACKED
+    rows["book pages lines"] = page_lines(), PAGES
+    counted = Counter(limit for limit, *_ in over)
+    return rows | {name: (count, 0) for name, count in counted.items()}, over
 
 
 def main(options: list[str]) -> int:
@@ -179,8 +148,8 @@ def main(options: list[str]) -> int:
         note = "OVER" if over else "to do" * (value > budget)
         print(f"{name:32} {value:9,g} of {budget:7,g}  {note}".rstrip())
     if "-v" in options:
-        for one in sorted(found, reverse=True):
-            print(f"{one.limit}: {one.value:.3g}  {one.place}")
+        for limit, value, place in sorted(found, reverse=True):
+            print(f"{limit}: {value:.3g}  {place}")
     return int(failed)
 
 
