@@ -32,8 +32,9 @@ SOURCE = {".py", ".pyc", ".nbc", ".nbi", ".ipynb"}
 @cache
 def imports() -> grimp.ImportGraph:
     """Imports among packages and notebooks; the names of `cmtof` lead to where each is defined."""
-    sys.path.insert(0, str(ROOT))
+    sys.path.insert(0, str(ROOT))  # where grimp finds the notebooks
     graph = grimp.build_graph(*PACKAGES, cache_dir=None)
+    sys.path.remove(str(ROOT))
     for module in graph.find_modules_directly_imported_by("cmtof"):
         graph.remove_import(importer="cmtof", imported=module)
     for module in graph.find_modules_that_directly_import("cmtof"):
