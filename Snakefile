@@ -100,8 +100,8 @@ rule book:
         built=f"{BUILD}/sphinx",
     shell:
         "rm -rf {params.built};"
-        " NO_COLOR=1 .venv/bin/jupyter-book build {input[0]} -W -n --keep-going -q"
-        " --path-output {params.built} > {log} 2>&1 || {{ grep -E 'WARNING|ERROR' {log} || cat {log};"
+        " .venv/bin/jupyter-book build {input[0]} -W -n --keep-going -q --path-output {params.built} 2>&1"
+        " | sed $'s/\\x1b\\[[0-9;]*m//g' > {log} || {{ grep -E 'WARNING|ERROR' {log} || cat {log};"
         " echo 'The book did not build; warnings count as errors. Log: {log}'; exit 1; }} >&2;"
         " mv {params.built}/_build/html {output} && rm -r {params.built};"
         " cp notebooks/*.ipynb {output}/_sources/notebooks;"  # without the outputs that pages show
