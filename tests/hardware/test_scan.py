@@ -5,6 +5,7 @@ import json
 from dataclasses import replace
 from functools import partial
 from pathlib import Path
+from unittest.mock import Mock, call
 
 import numpy as np
 from numpy.testing import assert_allclose, assert_array_equal
@@ -252,22 +253,40 @@ def test_the_mirrors_are_waited_for_as_long_as_their_step_requires(output):
     ]  # 15 degrees
 
 
-def test_rf_comes_up_in_steps(output):
-    powers = []
+def watched(device, *names):
+    """Record of the calls of some methods of a device, which work as before."""
+    acts = Mock()
+    for name in names:
+        acts.attach_mock(Mock(wraps=getattr(device, name)), name)
+        setattr(device, name, getattr(acts, name))
+    return acts.mock_calls
+
+
+def test_a_scan_begins_in_the_dark_and_arms_its_timers_before_light_and_rf(
+    output, whole
+):
+    """Also where a killed scan left light and RF on; RF comes up in steps, in either mode."""
+    acts = []
 
     def prepare(bench):
-        works = bench.rf_emission.output
-        knobs = bench.rf_emission.knobs
-
-        def switch(on, **options):
-            powers.append(knobs.power if on else None)
-            works(on, **options)
-
-        bench.rf_emission.output = switch
+        panel = bench.daq.panel
+        for knob in ("laser_on", "shutter_open", "beam_block_out"):
+            setattr(panel, knob, True)
+        acts.append(watched(bench.daq, "set_line", "watchdog"))
+        for rf in bench.rf:
+            rf.knobs.on = True
+            acts.append(watched(rf, "output", "set_dead_man", "set_power"))
 
     take(output, prepare=prepare)
-    ramp = [10.0, 20.0, 24.0, 27.0, 30.0]
-    assert powers == [None, None, *ramp, None, *ramp]  # set up, then both modes
+    light, *both = acts
+    assert light[:3] == [call.set_line(f"FIO{line}", False) for line in (0, 1, 6)]
+    assert light.index(call.watchdog(5)) < light.index(call.set_line("FIO0", True))
+    off = call.output(False)
+    ramp = [off]
+    for power in (10.0, 20.0, 24.0, 27.0, 30.0):
+        ramp += [call.set_power(power), call.output(True, lock_timeout=2.5)]
+    assert both == [[off, call.set_dead_man(5.0), *ramp, *ramp]] * 2
+    assert output.read_bytes() == whole.read_bytes()
 
 
 @mark.parametrize("lost", ["interlock_closed", "clock_on", "on"])
