@@ -79,14 +79,6 @@ def test_fisher_information_is_the_curvature_of_the_likelihood():
     assert_allclose(found, fisher, atol=1e-4 * np.diag(fisher).min())
 
 
-def test_odds_and_pixels_of_the_paper_settings():
-    assert odds(linear(1.0)) == approx(0.0234, abs=1e-4)
-    for intensity, pixels in ((1.0, 4459), (0.3, 49_311)):
-        noise = linear(intensity)
-        needed = bounds.pixels_needed(noise, noise, frequencies=FREQUENCIES)
-        assert needed == approx(pixels, rel=6e-4)
-
-
 def test_pooling_the_needed_pixels_gives_the_stated_odds():
     noise = linear(1.0)
     pixels = bounds.pixels_needed(noise, noise, frequencies=FREQUENCIES, odds=0.8)

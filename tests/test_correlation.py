@@ -7,10 +7,9 @@ from numpy.testing import assert_allclose
 from pytest import approx, mark, raises
 
 from cmtof import correlation as co
-from cmtof.constants import FREQUENCIES, SPEED_OF_LIGHT
 from cmtof.correlation import TAU
 from cmtof.modulator import SINGLE
-from cmtof.waveform import gate, sinusoid, waveform_from_harmonics
+from cmtof.waveform import gate, waveform_from_harmonics
 
 QUADRATURES = np.arange(4) * np.pi / 2
 angles = st.floats(0, TAU, exclude_max=True)
@@ -27,11 +26,6 @@ def test_harmonic_sum_equals_the_time_integral_of_any_waveforms(phase, psi):
     )
     fast = co.correlation_from_harmonics(p, r, phase=phase, psi=psi)
     assert fast == approx(product.mean(), abs=1e-12)
-
-
-def test_contrast_of_two_sinusoids_is_half_the_product_of_theirs():
-    wave = sinusoid(4.0, 2.0)
-    assert co.correlation_contrast(wave, wave) == approx(0.5 * 0.5 / 2, rel=1e-12)
 
 
 @given(
@@ -88,13 +82,6 @@ def test_darkness_decodes_to_a_finite_phase():
     assert not decoded.amplitude.any()
 
 
-def test_two_frequencies_decode_each_with_its_own_steps(rng):
-    psi = np.stack([QUADRATURES, QUADRATURES + 0.2])
-    phase = rng.uniform(0, TAU, (2, 6, 7))
-    c = np.stack(list(map(co.correlation_from_phase, phase, psi)))
-    assert_allclose(co.decode(c, psi).phase, phase, atol=1e-12)
-
-
 @mark.parametrize(
     ("psi", "message"),
     [
@@ -117,13 +104,6 @@ def test_residual_noise_finds_the_noise_of_the_samples(rng):
     assert noise == approx(7.0, rel=0.02)
     with raises(ValueError, match="more than 3"):
         co.residual_noise(np.zeros((3, 9)), psi[:3])
-
-
-def test_wraps_of_the_prototype():
-    assert co.wrap_length(np.array(FREQUENCIES)) == approx(
-        [0.0209645, 0.0104676], abs=1e-7
-    )
-    assert co.phase_from_depth(SPEED_OF_LIGHT / (2 * 7.15e9), 7.15e9) == approx(TAU)
 
 
 @given(st.floats(0, 20), st.sampled_from([0.1e9, 7.15e9, 14.32e9]))

@@ -3,15 +3,18 @@
 import re
 import subprocess
 import sys
+from copy import deepcopy
 from graphlib import TopologicalSorter
+from itertools import pairwise
 
 import grimp
 from pytest import fixture, mark
 
 from cmtof_book import ROOT
 
-PACKAGES = {"cmtof": 0, "cmtof_rooms": 1, "cmtof_lab": 1, "cmtof_book": 2}
-"""Packages, and how high each stands: none knows a higher one."""
+PACKAGES = ["cmtof_book", grimp.Layer("cmtof_rooms", "cmtof_lab", independent=False)]
+PACKAGES += ["cmtof"]
+"""Packages from the roof to the ground: none knows a higher one."""
 
 # floors of `cmtof`, from the roof to the ground; rooms of one floor do not see each other
 FLOORS = [
@@ -39,62 +42,48 @@ FLOORS = [
     {"compiled", "constants", "files", "terminal", "validation"},
     {"types"},
 ]
-HEIGHT = {room: len(FLOORS) - k for k, floor in enumerate(FLOORS) for room in floor}
-LATE = "cmtof.cli."
-"""Modules that may ask a companion, within the function that needs it."""
-STILL_UPWARD = {
-    ("cmtof.network.data", "cmtof_rooms.rendering"),
-}
-"""Arrows against the plan that are still to be turned round."""
+UPWARD = {"importer": "cmtof.network.data", "imported": "cmtof_rooms.rendering"}
+"""The arrow against the plan that is still to be turned round."""
 
 
 @fixture(scope="module")
-def imports():
-    graph = grimp.build_graph(
-        *PACKAGES, exclude_type_checking_imports=True, cache_dir=None
+def graph():
+    """Imports of all packages, but of the root: it loads its names on first use."""
+    found = grimp.build_graph(
+        "cmtof_book",
+        "cmtof_rooms",
+        "cmtof_lab",
+        "cmtof",
+        exclude_type_checking_imports=True,
+        cache_dir=None,
     )
-    # the root loads its names on first use, and gives its version to everybody
-    modules = graph.modules - {"cmtof"}
-    return [
-        (a, b)
-        for a in modules
-        for b in graph.find_modules_directly_imported_by(a)
-        if b in modules
-    ]
+    for module in found.find_modules_that_directly_import("cmtof"):
+        found.remove_import(importer=module, imported="cmtof")
+    return found
 
 
-def height(module):
-    return PACKAGES[module.partition(".")[0]]
+def test_imports_lead_down(graph):
+    rooms = {name.split(".")[1] for name in graph.find_children("cmtof")}
+    assert rooms == set().union(*FLOORS)
+    assert not graph.find_illegal_dependencies_for_layers(FLOORS, containers={"cmtof"})
 
 
-def room(module):
-    return module.split(".")[1]
+def test_no_package_knows_a_higher_one(graph):
+    """But the command line, which asks a companion within the function that needs it."""
+    below = deepcopy(graph)
+    for module in below.find_descendants("cmtof.cli"):
+        below.remove_module(module)
+    assert below.direct_import_exists(**UPWARD)
+    below.remove_import(**UPWARD)
+    assert not below.find_illegal_dependencies_for_layers(PACKAGES)
 
 
-def test_imports_lead_down(imports):
-    upward = [
-        f"{a} imports {b}"
-        for a, b in imports
-        if height(a) == height(b) == 0
-        and room(a) != room(b)
-        and HEIGHT[room(a)] <= HEIGHT[room(b)]
-    ]
-    assert not upward
-
-
-def test_no_package_knows_a_higher_one(imports):
-    known = {(a, b) for a, b in imports if not a.startswith(LATE)}
-    assert {(a, b) for a, b in known if height(a) < height(b)} == STILL_UPWARD
-
-
-def test_no_module_is_part_of_a_circle(imports):
-    above = {}
-    for a, b in imports:
-        above.setdefault(a, set()).add(b)
-    order = TopologicalSorter(
-        above
-    ).static_order()  # raises CycleError, which names the circle
-    assert set(order) >= above.keys()
+def test_no_module_is_part_of_a_circle(graph):
+    above = {
+        module: graph.find_modules_directly_imported_by(module)
+        for module in graph.modules
+    }
+    TopologicalSorter(above).prepare()  # raises CycleError, which names the circle
 
 
 def walks():
@@ -114,12 +103,12 @@ def module_of(name):
 
 
 @mark.parametrize("title", walks())
-def test_each_step_of_a_walk_is_imported_by_one_before_it(title, imports):
-    modules = walks()[title]
-    # a package's own `__init__` hands its modules on
-    known = set(imports) | {(a, f"{b}.method") for a, b in imports}
-    for number, module in enumerate(modules[1:], start=1):
-        assert any((before, module) in known for before in modules[:number]), module
+def test_each_step_of_a_walk_is_imported_by_one_before_it(title, graph):
+    known = set()
+    for before, module in pairwise(walks()[title]):
+        known |= graph.find_modules_directly_imported_by(before)
+        # a package's own `__init__` hands its modules on
+        assert {module, module.removesuffix(".method")} & known, module
 
 
 @mark.parametrize(

@@ -29,12 +29,6 @@ def test_retarder_is_its_diagonal_form_turned_by_its_angle(retardance, axis):
     assert_allclose(jones.retarder(retardance, axis), turned, atol=1e-14)
 
 
-def test_eom_is_equation_10():
-    assert_allclose(
-        jones.eom(0.7), np.diag([np.exp(-0.35j), np.exp(0.35j)]), rtol=0, atol=1e-16
-    )
-
-
 @given(ratio, ratio)
 def test_beam_splitter_has_the_extinction_ratios_asked_for(transmitted, reflected):
     settings = {
@@ -45,17 +39,6 @@ def test_beam_splitter_has_the_extinction_ratios_asked_for(transmitted, reflecte
     aside = np.abs(jones.polarising_beam_splitter("reflected", **settings)) ** 2
     assert through[0, 0] / through[1, 1] == approx(transmitted, rel=1e-6)
     assert aside[1, 1] / aside[0, 0] == approx(reflected, rel=1e-6)
-
-
-def test_parameters_broadcast_against_each_other():
-    drive = np.zeros((4, 1, 3))
-    axis = np.zeros((5, 1))
-    product = compose(
-        jones.retarder(drive, axis), jones.half_wave_plate(axis), jones.eom(drive)
-    )
-    assert product.shape == (4, 5, 3, 2, 2)
-    assert product.dtype == np.complex128
-    assert jones.apply(product, jones.linear_polarisation(axis)).shape == (4, 5, 3, 2)
 
 
 @mark.parametrize(

@@ -53,7 +53,3 @@ def test_attributes_state_method_range_and_options(exact):
     assert result.attrs["method"] == "beat"
     assert result.attrs["option_window"] == 3
     assert (result.attrs["range_min"], result.attrs["range_max"]) == (0.5, 2.0)
-    assert (
-        cmtof.unwrap(exact(np.ones((4, 5))), method="cmtof").attrs["method"]
-        == "surfaces"
-    )

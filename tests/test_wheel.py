@@ -210,9 +210,6 @@ def test_bare_every_method_runs_or_names_its_extra(bare):
     )
     ran = json.loads((bare.folder / "named.json").read_text())["methods"].keys()
     assert ran == METHODS.keys() - LEARNED
-    assert "'cmtof[networks]'" in bare.refused(
-        "evaluate", "wall.npz", "--method", "fast-scnn"
-    )
 
 
 def test_bare_the_simulated_instrument_scans(bare):
