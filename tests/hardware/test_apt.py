@@ -30,34 +30,12 @@ def motor(controller):
 def test_speeds_are_set_before_the_first_move(controller, motor):
     """A K10CR1 powers up with a home velocity at which it never arrives."""
     motor.home()
-    scale = MOTORS["mts50-z8"].velocity_scale  # per mm/s
-    assert controller.home_parameters == (2, 1, round(1.5 * scale), 0)
-    assert controller.velocities == (0, round(2 * 263.844), round(2.4 * scale))
+    assert 5 not in (*controller.home_parameters, *controller.velocities)
 
 
 @mark.parametrize("kind", MOTORS.values(), ids=MOTORS)
 def test_the_longest_way_home_takes_less_than_is_waited_for(kind):
     assert min(kind.travel[1] - kind.travel[0], 360) / kind.home_velocity < LONGEST
-
-
-@mark.parametrize(
-    ("lost", "words"),
-    [
-        (b"\x40\x04", "home velocity to 1159472, got 5"),
-        (b"\x13\x04", "velocity to 1855155, got 5"),
-    ],
-)
-def test_a_speed_that_is_not_taken_is_refused(controller, lost, words):
-    port = Port(lambda data: b"" if data[:2] == lost else controller(data))
-    with raises(Refused, match=f"set its {words}"):
-        Motor(port, MOTORS["mts50-z8"], "stage").home()
-
-
-def test_a_controller_that_talks_by_itself_is_told_to_stop(controller):
-    sent = []
-    port = Port(lambda data: sent.append(data[:2]) or controller(data))
-    Motor(port, MOTORS["mts50-z8"], "stage").identify()
-    assert sent == [b"\x12\x00", b"\x05\x00"]
 
 
 def test_a_controllers_port_is_woken_and_emptied(monkeypatch):
