@@ -59,20 +59,6 @@ def test_nothing_is_wrong_with_any_page(browser, width):
     assert not found
 
 
-@mark.parametrize("width", [390, 800, 1280])
-def test_the_menu_opens_and_closes(visit, width):
-    tab = visit("book/intro.html", width)
-    bar = tab.locator(".bd-sidebar-primary").first
-    before = bar.is_visible()
-    tab.locator("button.primary-toggle:visible").click()
-    bar.wait_for(state="hidden" if before else "visible")
-    if before:
-        tab.locator("button.primary-toggle:visible").click()
-    else:
-        tab.keyboard.press("Escape")
-    bar.wait_for(state="visible" if before else "hidden")
-
-
 PLACES = {
     "Cramer-Rao": "html",
     "cite": "intro.html#index-",
