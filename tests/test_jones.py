@@ -29,6 +29,12 @@ def test_retarder_is_its_diagonal_form_turned_by_its_angle(retardance, axis):
     assert_allclose(jones.retarder(retardance, axis), turned, atol=1e-14)
 
 
+def test_eom_is_equation_10():
+    assert_allclose(
+        jones.eom(0.7), np.diag([np.exp(-0.35j), np.exp(0.35j)]), rtol=0, atol=1e-16
+    )
+
+
 @given(ratio, ratio)
 def test_beam_splitter_has_the_extinction_ratios_asked_for(transmitted, reflected):
     settings = {

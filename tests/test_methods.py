@@ -37,10 +37,6 @@ def images(measurement, name, **options):
     return [result[image].to_numpy() for image in IMAGES]
 
 
-def masked(measurement, mask):
-    return Measurement(measurement.dataset.assign(mask=(("y", "x"), mask)))
-
-
 @mark.parametrize(
     ("shape", "light", "hidden"),
     [
@@ -59,7 +55,7 @@ def test_results_obey_range_and_mask_and_repeat(name, shape, light, hidden):
     m = given_to(name, wall(*shape, light))
     mask = m.mask & (np.indices(shape)[0] >= hidden)
     m.dataset["correlation"] = m.dataset["correlation"].where(mask)
-    m = masked(m, mask)
+    m = Measurement(m.dataset.assign(mask=(("y", "x"), mask)))
     count, depth, confidence = images(m, name, range=(low, high))
     assert (count[~mask] == -1).all()
     assert (count[mask] >= int(low / wrap_length(7.15e9))).all()

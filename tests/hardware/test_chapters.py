@@ -8,7 +8,7 @@ from importlib.util import find_spec
 import numpy as np
 from numpy.testing import assert_allclose
 from pytest import mark
-from wire import DEFAULT
+from wire import DEFAULT, with_device
 from xarray import open_dataset
 
 from cmtof_book import ROOT
@@ -61,8 +61,7 @@ def test_a_chapter_measures_on_a_rig_what_it_simulates(
     name, sizes, before = CHAPTERS[chapter]
     world = world_of(**{"rig": DEFAULT} | before)
     world.models["stage"].scale = 1e9  # the simulated stage has no counts
-    stage = replace(world.rig.devices["stage"], counts_per_unit=1e9)
-    world.rig = replace(world.rig, devices=world.rig.devices | {"stage": stage})
+    world.rig = with_device(world.rig, "stage", counts_per_unit=1e9)
     world.write(tmp_path / "rig.yml")
     measured = found_in(chapter, name, **sizes, rig=str(tmp_path / "rig.yml"))
     simulated = found_in(chapter, name, **sizes)

@@ -9,6 +9,7 @@ from unittest.mock import Mock, call
 import numpy as np
 import serial
 from pytest import approx, fixture, mark, raises
+from wire import with_device
 
 from cmtof.files import read_document
 from cmtof.hardware.connect import connected_driver
@@ -77,13 +78,6 @@ def test_a_view_beyond_the_mirrors_is_refused():
         planned(steep, size=8)
 
 
-def moved(role, address):
-    """The rig with a device at another address."""
-    return replace(
-        RIG, devices=RIG.devices | {role: replace(RIG.devices[role], address=address)}
-    )
-
-
 @mark.parametrize(
     ("role", "address"),
     [
@@ -95,7 +89,7 @@ def moved(role, address):
 )
 def test_nothing_at_an_address_is_one_line(role, address):
     with raises(ConnectionLost, match="Expected .*Check"):
-        connected_driver(moved(role, address), role).identify()
+        connected_driver(with_device(RIG, role, address=address), role).identify()
 
 
 def test_a_port_that_may_not_be_opened_says_what_helps():
@@ -111,7 +105,7 @@ def test_a_port_that_may_not_be_opened_says_what_helps():
     ):
         raise ValueError("No backend available")
     with raises(ConnectionLost, match="ls -l /dev/serial/by-id"):
-        connected_driver(moved("stage", "/dev/no-port"), "stage")
+        connected_driver(with_device(RIG, "stage", address="/dev/no-port"), "stage")
 
 
 def test_the_clock_begins_from_its_own_state_and_runs_as_the_rig_says():

@@ -5,11 +5,12 @@ import json
 from dataclasses import replace
 from functools import partial
 from pathlib import Path
-from unittest.mock import Mock, call
+from unittest.mock import DEFAULT, Mock, call
 
 import numpy as np
 from numpy.testing import assert_allclose, assert_array_equal
 from pytest import approx, fixture, mark, raises
+from wire import WALL
 
 import cmtof
 from cmtof.correlation import centred, phase_from_depth
@@ -28,7 +29,6 @@ from cmtof_lab.targets import MIRROR, Plane
 WRONG = read_document(Path(__file__).with_name("wrong.yml"))
 RIG = replace(Rig.default(), phases=4, samples_per_phase=14)
 PLAN = planned(RIG, size=4)
-WALL = Plane(0.9, tilt_x=0.3, reflectance=0.8)
 DARK = TwinSettings.ideal(reference=Plane(0.6, reflectance=0.0), ambient_radiance=0.1)
 
 
@@ -166,18 +166,13 @@ def test_a_journal_that_another_scan_is_writing_is_left_alone(stopped):
 # --- faults --------------------------------------------------------------------------------------
 
 
-def failing(bench, role, method, error, at=1, times=10**9):
+def failing(bench, role, method, error, at=1, times=1000):
     """Have a method of a device raise an error from its nth call on, so many times."""
     device = getattr(bench, role)
-    calls = itertools.count(1)
-    works = getattr(device, method)
-
-    def act(*values, **options):
-        call = next(calls)
-        if at <= call < at + times:
-            raise error(f"Expected an answer of {role}, got none. Check it.")
-        return works(*values, **options)
-
+    fault = error(f"Expected an answer of {role}, got none. Check it.")
+    usual = itertools.repeat(DEFAULT)
+    faults = itertools.chain([DEFAULT] * (at - 1), [fault] * times, usual)
+    act = Mock(wraps=getattr(device, method), side_effect=faults)
     setattr(device, method, act)
 
 

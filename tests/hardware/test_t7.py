@@ -1,16 +1,15 @@
 """The read-out before a model of the T7, in process and on TCP."""
 
 import struct
-from dataclasses import replace
 
 import numpy as np
 from peers import T7, Wire, modbus, simulated
 from pytest import approx, fixture, mark, raises
-from wire import Network, whole_frame
+from wire import Network, whole_frame, with_device
 
 from cmtof.hardware.connect import connected_driver
 from cmtof.hardware.device import BadReply, ConnectionLost, InstrumentTimeout, Refused
-from cmtof.hardware.rig import DeviceSettings, Rig
+from cmtof.hardware.rig import Rig
 from cmtof.hardware.t7 import LabJackT7
 
 BURST = {"channels": ["AIN0"], "rate": 24000.0, "scans": 320, "range": 10.0}
@@ -114,32 +113,32 @@ def network(peer):
     server.close()
 
 
-def at(network, **settings):
+@fixture
+def rig(network):
     """A rig whose T7 is on a network."""
-    rig = Rig.default()
-    daq = DeviceSettings("labjack-t7", network.address, **settings)
-    return replace(rig, devices=rig.devices | {"daq": daq})
+    return with_device(Rig.default(), "daq", address=network.address)
 
 
-def test_a_refusal_tells_the_makers_code(network):
-    far = connected_driver(at(network), "daq")
+def test_a_refusal_tells_the_makers_code(rig):
+    far = connected_driver(rig, "daq")
     with raises(Refused, match="got exception 6.*LabJack's error code is 2501"):
         far.write_many({"SERIAL_NUMBER": 1})
     far.close()
 
 
-def test_an_answer_to_another_request_is_not_taken(network):
+def test_an_answer_to_another_request_is_not_taken(network, rig):
     works = network.wire.answer
     network.wire.answer = lambda frame: b"\0\x63" + works(frame)[2:]
-    far = connected_driver(at(network), "daq")
+    far = connected_driver(rig, "daq")
     with raises(BadReply, match="Expected answer 2, got 99"):  # it has been asked twice
         far.line("FIO7")
     far.close()
 
 
-def test_a_log_has_every_request_and_reply(network, tmp_path):
+def test_a_log_has_every_request_and_reply(network, rig, tmp_path):
     with (tmp_path / "log.txt").open("w") as log:
-        driver = connected_driver(at(network, timeout=0.05), "daq", log)
+        quick = with_device(rig, "daq", timeout=0.05)
+        driver = connected_driver(quick, "daq", log)
         driver.line("FIO7")
         network.wire.fail(b"", b"")
         with raises(InstrumentTimeout):

@@ -8,7 +8,7 @@ from functools import partial
 
 from numpy.testing import assert_array_equal
 from pytest import approx, fixture, mark, raises
-from wire import RIG, TODAY, WALL
+from wire import RIG, TODAY, WALL, with_device
 
 from cmtof.hardware.connect import connected_bench, connected_driver
 from cmtof.hardware.device import ConnectionLost, InstrumentError, Refused
@@ -110,11 +110,9 @@ def test_a_device_that_goes_leaves_no_light(world, take, role, fault):
         return works(request)
 
     wire.answer = answer
-    quick = replace(
-        world.rig.devices[role], timeout=0.05
-    )  # nobody waits longer for this one
+    world.rig = with_device(world.rig, role, timeout=0.05)  # nobody waits longer for it
     with raises(InstrumentError, match="Expected"):
-        take(devices=world.rig.devices | {role: quick})
+        take()
     assert world.dark or role in TIMED
     world.silence(6.0)
     assert world.dark
@@ -150,8 +148,7 @@ def test_a_device_that_is_missing_at_the_start_leaves_no_light(world, lit, role)
 
 @mark.parametrize("role", PLACES)
 def test_another_device_than_the_rig_names_is_refused(world, role):
-    other = {role: replace(world.rig.devices[role], serial_number="OTHER")}
-    wrong = replace(world.rig, devices=world.rig.devices | other)
+    wrong = with_device(world.rig, role, serial_number="OTHER")
     with (
         raises(Refused, match="OTHER, got .* Check the address"),
         connected_bench(wrong),

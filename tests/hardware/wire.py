@@ -28,6 +28,12 @@ PATIENT = {role: replace(one, timeout=10.0) for role, one in DEFAULT.devices.ite
 RIG = replace(DEFAULT, phases=4, samples_per_phase=14, devices=PATIENT)
 
 
+def with_device(rig, role, **changes):
+    """The rig with other settings of a device."""
+    device = replace(rig.devices[role], **changes)
+    return replace(rig, devices=rig.devices | {role: device})
+
+
 def whole_line(data):
     """Length of the first line of text, 0 if it is not whole."""
     return data.find(b"\n") + 1
