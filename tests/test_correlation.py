@@ -72,8 +72,6 @@ def test_compiled_decoding_errs_by_less_than_5_microradians(rng, steps):
     assert np.abs(co.centred(fast.phase - exact.phase)).max() < 5e-6
     assert_allclose(fast.amplitude, exact.amplitude, rtol=1e-5, atol=1e-2)
     assert_allclose(fast.offset, exact.offset, rtol=1e-5)
-    assert fast.phase.min() >= 0
-    assert fast.phase.max() < TAU
 
 
 def test_darkness_decodes_to_a_finite_phase():

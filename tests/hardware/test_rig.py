@@ -25,10 +25,6 @@ WRONG = read_document(Path(__file__).with_name("wrong.yml"))
 def test_the_default_rig_holds_every_device_of_section_7():
     assert set(RIG.devices) == set(DRIVERS)
     assert RIG.scans / RIG.rate == approx(13.3e-3, rel=5e-3)
-    assert [RIG.drive_frequency(mode) for mode in ("single", "doubled")] == [
-        7.15e9,
-        7.16e9,
-    ]
     assert "address" not in RIG.as_dict()["devices"]["daq"]
 
 
