@@ -1,12 +1,11 @@
-"""Plans, sums, calibration and journals: pure functions and crafted bytes."""
+"""Plans, sums and calibration: pure functions."""
 
 import numpy as np
-from numpy.testing import assert_allclose, assert_array_equal
-from pytest import approx, fixture, mark, raises
+from numpy.testing import assert_allclose
+from pytest import approx, mark, raises
 
 from cmtof.correlation import phase_from_depth
-from cmtof.hardware.journal import append, begun, whole_lines
-from cmtof.hardware.plan import Record, planned
+from cmtof.hardware.plan import planned
 from cmtof.hardware.reduction import (
     calibrate,
     nominal_psi,
@@ -16,20 +15,6 @@ from cmtof.hardware.rig import Rig
 
 RIG = Rig.default()
 PLAN = planned(RIG, size=4)
-HEADER = {"seed": 0, "settings": RIG.as_dict()}
-
-
-def record(index):
-    bursts = len(PLAN.lines[index].labels)
-    return Record(
-        index,
-        7e-3,
-        24000.0,
-        np.zeros((2, 2)),
-        np.zeros(bursts),
-        np.ones((bursts, 16), np.uint32),
-        np.zeros(bursts, np.uint16),
-    )
 
 
 def test_every_burst_has_its_own_label():
@@ -72,34 +57,3 @@ def test_calibration_finds_the_offset_behind_stray_light(stray):
     assert drift == approx(0, abs=1e-9)
     with raises(ValueError, match="contrast above 0.001"):
         calibrate(np.full((1, 8, 16), 3.0), z, 7.15e9)
-
-
-# --- journals ------------------------------------------------------------------------------------
-
-
-@fixture
-def journal(tmp_path):
-    """Path of a journal of three lines and its header."""
-    path = tmp_path / "m.nc.journal"
-    assert begun(path, HEADER, PLAN) == []
-    for index in range(3):
-        append(path, record(index)._asdict())
-    return path
-
-
-@mark.parametrize("kept", [0, 1, -9, -1])
-def test_a_torn_tail_is_cut_and_the_rest_goes_on(journal, kept):
-    whole = journal.read_bytes()
-    *others, last = whole.splitlines(keepends=True)
-    journal.write_bytes(b"".join(others) + last[:kept])
-    assert len(whole_lines(journal)) == 3
-    assert_array_equal(begun(journal, HEADER, PLAN)[1].sums, record(1).sums)
-    append(journal, record(2)._asdict())
-    assert journal.read_bytes() == whole
-
-
-def test_a_journal_of_another_scan_is_left_alone(journal):
-    whole = journal.read_bytes()
-    with raises(ValueError, match="got another seed, 0"):
-        begun(journal, HEADER | {"seed": 1}, PLAN)
-    assert journal.read_bytes() == whole

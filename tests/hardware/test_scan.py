@@ -132,9 +132,22 @@ def stopped(output):
     return output
 
 
-def test_a_scan_begun_is_not_overwritten(stopped):
+@mark.parametrize("kept", [0, 1, -9, -1])
+def test_a_torn_line_is_measured_again(stopped, whole, kept):
+    *others, last = journal_path(stopped).read_bytes().splitlines(keepends=True)
+    journal_path(stopped).write_bytes(b"".join(others) + last[:kept])
+    assert recorded(stopped) == 1
+    take(stopped, resume=True)
+    assert stopped.read_bytes() == whole.read_bytes()
+
+
+def test_a_scan_begun_is_not_overwritten_nor_gone_on_with_otherwise(stopped):
+    before = journal_path(stopped).read_bytes()
     with raises(ValueError, match="Expected no scan begun, got 1 lines"):
         take(stopped)
+    with raises(ValueError, match="got another phases, 4"):
+        take(stopped, rig=replace(RIG, phases=8), resume=True)
+    assert journal_path(stopped).read_bytes() == before
 
 
 def test_a_whole_scan_needs_no_journal_to_be_resumed(output, whole):
