@@ -95,14 +95,10 @@ def test_horizontal_input_of_section_7_gives_the_light_of_vertical_input(mode):
 
 
 @mark.parametrize("eta", [0.26, np.pi / 4])
-def test_modes_have_their_contrasts_and_throughputs(eta):
+def test_modes_have_their_depth_and_throughput(eta):
     bright = replace(DOUBLED, output="returned", eta=eta)
     assert bright.throughput() == approx((1 + jv(0, 2 * eta)) / 2, abs=1e-14)
-    assert bright.contrast() == approx(
-        np.sin(eta) ** 2 / (1 + np.cos(eta) ** 2), abs=1e-14
-    )
     modulator = replace(SINGLE, eta=eta)
-    assert modulator.contrast() == approx(np.sin(2 * eta), abs=1e-14)
     assert modulator.modulation_depth() == approx(2 * jv(1, 2 * eta), abs=1e-14)
     assert modulator.throughput() == approx(0.5, abs=1e-14)
 

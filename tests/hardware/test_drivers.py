@@ -138,11 +138,6 @@ def test_after_silence_the_rest_of_a_safe_state_is_left_out(error, left):
     assert acts == ["first", "first", *left]
 
 
-@mark.parametrize(("text", "value"), [("1.5E+7HZ", 1.5e7), (" -0.25", -0.25)])
-def test_a_number_may_have_a_unit(text, value):
-    assert number(text) == value
-
-
 @mark.parametrize("text", ["9.9E+37", "nan", "volts", ""])
 def test_what_is_no_number_is_a_bad_reply(text):
     with raises(BadReply, match="Expected a number"):
