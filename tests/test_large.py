@@ -13,7 +13,6 @@ from cmtof.evaluation import scored_pixels
 from cmtof.scenes import Frame
 from cmtof.unwrapping import unwrap_file
 
-
 SIDE = int(os.environ.get("CMTOF_SIDE", "1024"))  # px; 4000 takes minutes
 
 
