@@ -41,6 +41,7 @@ def test_two_inputs_come_in_turn(peer, daq):
     peer.device.panel.photodiode_lit = True
     daq.configure_burst(**BURST | {"channels": ["AIN2", "AIN3"]})
     (counts,) = daq.bursts([{"USER_RAM0_U32": 1}])
+    assert (peer.get(4102), peer.get(4104)) == (4, 6)  # where the inputs are read
     assert counts.shape == (640,)
     levels = counts.reshape(320, 2).mean(axis=0)
     assert abs(levels[0] - levels[1]) > 100 > 10 * np.std(counts[::2])
