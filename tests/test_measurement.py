@@ -193,10 +193,6 @@ def test_a_file_cannot_reach_into_another(tmp_path, reach):
         ({"correlation": with_sample(np.inf)}, "finite correlation"),
         ({"correlation": with_sample(9.97e36)}, "correlation, got 1 others"),
         ({"correlation": stack().astype("datetime64[s]")}, "numbers as correlation"),
-        (
-            {"correlation": np.zeros((2, 4, 5, 6), [("a", "f4")])},
-            "numbers as correlation",
-        ),
         ({"frequencies": (np.nan, 14.32e9)}, "frequencies"),
         ({"frequencies": (14.32e9, 7.15e9)}, "rising order"),
         ({"frequencies": (7.15, 14.32)}, "State them in Hz"),

@@ -96,7 +96,6 @@ def test_the_truth_is_asked_for_where_a_method_knows_it(measured, name):
         ({"method": "kde", "radius": -3}, "a radius of 1 to 999 px"),
         ({"method": "kde", "kernel": 0}, "a kernel of 0 to 100 wraps"),
         ({"method": "kde", "kernel": float("nan")}, "a kernel of 0 to 100 wraps"),
-        ({"method": "beat", "window": -1}, "odd window"),
         ({"without": ["bend"]}, "steps out of .*bent"),
         ({"method": "beat", "window": 4}, "odd window"),
     ],

@@ -1,8 +1,6 @@
 """Frames of image files: depth in levels or metres, and the light that belongs to it."""
 
-from dataclasses import dataclass
 from pathlib import Path
-from typing import Any
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -22,30 +20,27 @@ _CROWDED = 0.02  # share of pixels at the largest level from which on it seems t
 _ALIKE = 0.03  # by how much the shapes of two images of one view may differ
 
 
-@dataclass(frozen=True)
-class Reading:
-    """How to read an image of depth and the light beside it, as far as it is known."""
-
-    depth_scale: float | None = None  # levels per metre; of floats 1, else `LEVELS`
-    planar: bool = False  # depth lies along the optical axis, not along the ray
-    camera: ArrayLike | None = None  # fx, fy, cx, cy, px
-    linear: bool = False  # light is linear, of any exposure, not sRGB
-
-
-def frame_from_pair(depth: Path, intensity: AnyPath | None, **how: Any) -> Frame:
+def frame_from_pair(
+    depth: Path,
+    intensity: AnyPath | None,
+    *,
+    depth_scale: float | None = None,
+    planar: bool = False,
+    camera: ArrayLike | None = None,
+    linear: bool = False,
+) -> Frame:
     """Frame of an image of depth and the colour or grey image of the same view.
 
-    ``how`` are the fields of `Reading`. Level 0 is no depth, nor is the greatest one that 16 bits
-    hold. ``planar`` depth is turned into range by the ``camera``. The green channel is made
-    linear; with ``linear`` it is taken as it is, and its 99th percentile becomes 1.
+    ``depth_scale`` is in levels per metre; without it, it is 1 for floats and `LEVELS` for
+    integers. Level 0 is no depth, nor is the greatest one that 16 bits hold. ``planar`` depth,
+    along the optical axis, is turned into range by the ``camera`` fx, fy, cx, cy, px. The green
+    channel is made linear; with ``linear`` it is taken as it is, and its 99th percentile becomes 1.
     """
-    reading = Reading(**how)
-    scale = reading.depth_scale
-    wrong = scale is not None and not 0 < scale < np.inf
-    if intensity is None or wrong or (reading.planar and reading.camera is None):
+    wrong = depth_scale is not None and not 0 < depth_scale < np.inf
+    if intensity is None or wrong or (planar and camera is None):
         raise ValueError(
             "Expected an intensity image beside depth, a depth scale > 0, and for planar depth a "
-            f"camera, got {intensity}, {scale}, {reading.camera} for {depth.name}. "
+            f"camera, got {intensity}, {depth_scale}, {camera} for {depth.name}. "
             "Give what is missing."
         )
     levels = read_image(depth)
@@ -54,16 +49,16 @@ def frame_from_pair(depth: Path, intensity: AnyPath | None, **how: Any) -> Frame
         raise ValueError(
             f"Expected one channel of depth in {depth}, got {levels.shape[-1]}. Name depth first."
         )
-    distance, notes = distances(levels, scale)
-    if not reading.planar:
+    distance, notes = distances(levels, depth_scale)
+    if not planar:
         notes.append("depth taken along the ray")
     else:
-        distance = distance * ray_lengths(distance.shape, reading.camera)  # type: ignore[arg-type]
+        distance = distance * ray_lengths(distance.shape, camera)  # type: ignore[arg-type]
     light, note = resampled(image, distance.shape)
-    light = brightness_of(light, reading.linear)
+    light = brightness_of(light, linear)
     notes = [*notes, note, light_note(light)]
     text = "; ".join(filter(None, notes))
-    return Frame(distance, light, reading.camera, depth.stem, text)
+    return Frame(distance, light, camera, depth.stem, text)
 
 
 def read_image(path: Path) -> NDArray:

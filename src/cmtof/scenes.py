@@ -31,7 +31,7 @@ def load_frame(
 
     An ``.npz`` holds ``depth`` (m), ``intensity`` and, unless given, ``camera``; an image of depth,
     ``.png``, ``.pgm``, ``.pfm`` or ``.npy``, takes an ``intensity`` image and the options of
-    `cmtof.images.Reading`; an ``.hdf5`` lies in its tree.
+    `cmtof.images.frame_from_pair`; an ``.hdf5`` lies in its tree.
 
     >>> load_frame("still_life").depth.shape
     (240, 320)

@@ -34,22 +34,15 @@ DARK = TwinSettings.ideal(reference=Plane(0.6, reflectance=0.0), ambient_radianc
 
 def take(output, rig=RIG, prepare=lambda bench: None, twin=None, **options):
     """Scan the wall, which ends in the safe state; ``prepare`` sees the bench before."""
-    benches = []
-
-    def opened():
-        bench = simulated_bench(rig, WALL, twin, seed=4)
-        benches.append(bench)
-        prepare(bench)
-        return bench
-
+    bench = simulated_bench(rig, WALL, twin, seed=4)
+    panel = bench.daq.panel
+    prepare(bench)
     try:
-        scan(planned(rig, size=4), opened, output, **options)
+        scan(planned(rig, size=4), lambda: bench, output, **options)
     finally:
-        for bench in benches:
-            panel = bench.daq.panel
-            assert not (panel.laser_on or panel.shutter_open or panel.beam_block_out)
-            assert not (panel.emission.on or panel.detection.on)
-            assert panel.galvo_volts == [0.0, 0.0]
+        assert not (panel.laser_on or panel.shutter_open or panel.beam_block_out)
+        assert not (panel.emission.on or panel.detection.on)
+        assert panel.galvo_volts == [0.0, 0.0]
 
 
 def stop(line):
