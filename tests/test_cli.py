@@ -21,14 +21,14 @@ def test_from_frame_to_depth_and_points(succeeds, tmp_path):
     xr.testing.assert_equal(result, cmtof.unwrap(cmtof.open(m)))
     sets = {"wrap_count", "depth", "confidence", "within_90", "within_95"}
     assert set(result.data_vars) == sets | {"component", "component_odds"}
-    assert "largest components" in succeeds("info", out)
+    text = succeeds("info", out)
+    assert "int32 wrap_count(y, x)" in text
+    assert "largest components" in text
     succeeds("unwrap", m, "-o", out, "--tile", 256, "--range", 0.9, 1)
     tiled = xr.load_dataset(out)
     assert set(tiled.data_vars) == sets
     assert 0.9 - 1e-6 <= tiled.depth.min() < tiled.depth.max() < 1
     assert cmtof.open(m).dataset.attrs["seed"] == 5
-    assert result.depth.attrs["units"] == "m"
-    assert cloud.read_bytes().startswith(b"ply\nformat binary_little_endian")
     assert sorted(p.name for p in tmp_path.iterdir()) == ["cloud.ply", "m.nc", "out.nc"]
 
 
@@ -78,7 +78,7 @@ def test_evaluate_writes_the_contract(succeeds, tmp_path):
     )
 
 
-def test_methods_and_info(succeeds, measurement_file, tmp_path):
+def test_methods_and_info(succeeds, measurement_file):
     listed = {
         entry["name"]: entry for entry in json.loads(succeeds("methods", "--json"))
     }
@@ -92,8 +92,6 @@ def test_methods_and_info(succeeds, measurement_file, tmp_path):
     text = succeeds("info", measurement_file)
     assert "float32 correlation(frequency, step, y, x)" in text
     assert ":seed = 3" in text
-    succeeds("unwrap", measurement_file, "-o", tmp_path / "out.nc")
-    assert "int32 wrap_count(y, x)" in succeeds("info", tmp_path / "out.nc")
     assert "depth (240, 320) float32" in succeeds("info", "room")
 
 

@@ -18,13 +18,6 @@ from cmtof.simulation import simulate
 CLOSE = (7.15e9, 7.16e9)
 
 
-@mark.parametrize("method", ["crt", "crt-ml", "crt-closed-form"])
-def test_exact_phases_are_unwrapped_exactly(exact, rng, method):
-    m = exact(rng.uniform(0.01, 7.4, (30, 40)))
-    found = cmtof.unwrap(m, method=method).depth
-    assert_allclose(found, m.depth, rtol=0, atol=1e-6)
-
-
 @mark.parametrize("pair", [FREQUENCIES, CLOSE, (3e9, 7e9)])
 def test_search_is_that_over_all_wraps(rng, pair):
     """The wrap of least misfit, tried one after the other, at any pair of frequencies."""
