@@ -20,12 +20,11 @@ from cmtof.simulation import simulate
 WRAP = wrap_length(FREQUENCIES[0])
 
 
-EXACT = (
-    "crt crt-ml crt-closed-form beat beat-guided kde kde-tuned region mrf mrf-graphcut"
-)
+EXACT = ["crt", "crt-ml", "crt-closed-form", "beat", "beat-guided", "kde", "kde-tuned"]
+EXACT += ["region", "mrf", "mrf-graphcut"]
 
 
-@mark.parametrize("method", EXACT.split())
+@mark.parametrize("method", EXACT)
 def test_walls_of_one_depth_are_exact(exact, method):
     m = exact(np.full((20, 20), 3.21))
     assert_allclose(cmtof.unwrap(m, method=method).depth, 3.21, atol=1e-6)
