@@ -12,12 +12,12 @@ from numpy.testing import assert_allclose, assert_array_equal
 from pytest import approx, mark, raises
 
 import cmtof
+from cmtof.constants import FREQUENCIES
 from cmtof.correlation import TAU, correlation_from_phase
 from cmtof.measurement import Measurement, unambiguous_range
 from cmtof.storage import save_dataset
 
 PSI = np.arange(4) * np.pi / 2
-FREQUENCIES = (7.15e9, 14.32e9)
 
 
 def stack(height=5, width=6, phase=1.0):

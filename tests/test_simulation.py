@@ -73,7 +73,6 @@ def test_full_protocol_scales_nothing_and_masks_beyond_the_beat():
         ({"order": "papr"}, "order 'paper' or 'released', got 'papr'"),
         ({"frequencies": (0.0, 7e9)}, "rising order"),
         ({"noise": -1.0}, "sigma >= 0"),
-        ({"psi": [0.0, 1.0]}, "at least 3"),
     ],
 )
 def test_impossible_conditions_are_refused(tilted_wall, changes, message):

@@ -2,7 +2,7 @@
 
 import numpy as np
 from numpy.testing import assert_allclose
-from pytest import approx, mark, raises
+from pytest import approx, mark
 
 from cmtof.correlation import phase_from_depth
 from cmtof.hardware.plan import planned
@@ -55,5 +55,3 @@ def test_calibration_finds_the_offset_behind_stray_light(stray):
     offset, drift = calibrate(np.stack([seen, seen]), z, 7.15e9)
     assert offset == approx(-1.2, abs=1e-6 + 0.02 * stray)
     assert drift == approx(0, abs=1e-9)
-    with raises(ValueError, match="contrast above 0.001"):
-        calibrate(np.full((1, 8, 16), 3.0), z, 7.15e9)
