@@ -56,7 +56,7 @@ def test_four_steps_equal_the_first_fourier_bin(rng):
 
 
 @mark.parametrize("steps", [3, 4, 16])
-def test_compiled_decoding_errs_by_less_than_5_microradians(rng, steps):
+def test_decoding_in_single_precision_errs_by_less_than_5_microradians(rng, steps):
     psi = rng.permutation(TAU * np.arange(steps) / steps)
     phase = rng.uniform(0, TAU, (40, 101))
     phase[0, :6] = [0, np.pi / 4, np.pi / 2, np.pi, 3 * np.pi / 2, TAU - 1e-7]  # seams
@@ -71,7 +71,6 @@ def test_compiled_decoding_errs_by_less_than_5_microradians(rng, steps):
     assert fast.phase.dtype == np.float32
     assert np.abs(co.centred(fast.phase - exact.phase)).max() < 5e-6
     assert_allclose(fast.amplitude, exact.amplitude, rtol=1e-5, atol=1e-2)
-    assert_allclose(fast.offset, exact.offset, rtol=1e-5)
 
 
 def test_darkness_decodes_to_a_finite_phase():

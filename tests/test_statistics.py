@@ -11,7 +11,7 @@ def test_intervals_hold_the_truth_as_often_as_they_say(rng):
     """Rates of 40 scenes that differ, against that of all; 200 sets of 95 % intervals."""
     held = 0
     for _ in range(200):
-        whole = rng.integers(500, 1500, 40)
+        whole = rng.integers(100, 1900, 40)
         part = whole * np.clip(rng.normal(0.5, 0.2, 40), 0, 1)
         found = ratio_interval(part, whole, draws=400, seed=int(rng.integers(1 << 30)))
         held += bool(found.low <= 0.5 <= found.high)
