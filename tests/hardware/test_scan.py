@@ -306,7 +306,7 @@ def test_an_open_interlock_and_a_lost_lock_end_the_scan(output, lost):
     ("twin", "text"),
     [
         (TwinSettings(reference=MIRROR), "it saturates. Put a grey filter"),
-        (DARK, "Expected a reference target with a contrast"),
+        (DARK, "reference target with a contrast above 0.001"),
     ],
 )
 def test_a_reference_target_that_cannot_calibrate_ends_the_scan(output, twin, text):
