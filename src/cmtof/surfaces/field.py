@@ -10,6 +10,7 @@ from typing import NamedTuple
 
 import numpy as np
 from scipy.ndimage import gaussian_filter
+from scipy.stats import chi2
 
 from cmtof.constants import SPEED_OF_LIGHT
 from cmtof.correlation import TAU
@@ -19,6 +20,10 @@ from cmtof.types import Array, Flags, Numbers, Pair
 
 CELL = 8  # side, px, of the cells in which surfaces grow
 _SMALLEST = 64  # side, px, up to which smaller images are padded with pixels without information
+_APART = 2  # px between pixels whose beats are compared: the grain of a scan is finer
+_CLEAR = 0.2  # variance, rad^2, of the difference of two beats up to which they are,
+_FEW = 1000  # the number of these differences that is too few to tell,
+_HIDDEN = 1.3  # and the ratio of their variances, seen and expected, up to which all is well
 _SHARPEST = 3e-3  # least phase noise assumed, rad: without noise the shapes limit a fit
 _FOCAL_LENGTH = 1.2  # assumed without a camera, in widths of the image
 # Widths, px, over which amplitudes are averaged, and what sends a dark pixel to the next one.
@@ -93,8 +98,37 @@ def _weighted(measurement: Measurement) -> Array:
     # P = a p / s^2 with the smoothed a / s and this pixel's own p / s
     size = np.sqrt(information) * ratio
     turned = np.where(known, phase, 0)
+    multiple = np.rint(measurement.frequencies[1] / measurement.frequencies[0])
+    left = 1 / (1 + information * _hidden_noise(turned, information, multiple))
+    size *= left
+    information = information * left
     images = [size * np.cos(turned), size * np.sin(turned), information]
     return np.array(images, np.float32)
+
+
+def _hidden_noise(phase: Array, information: Array, multiple: float) -> float:
+    """Variance of phases, rad^2, that is in no residual of a pixel's samples; zero if unclear.
+
+    Vibration and drift between two frequencies move all samples of a pixel alike. The beats ``phi_2
+    - m phi_1`` of pixels near each other show it, since depth hardly moves them.
+    """
+    beat = np.exp(1j * (phase[1] - multiple * phase[0]))
+    low, high = 1 / np.maximum(information, 1e-9)
+    noise = high + multiple**2 * low
+    pairs = [
+        (np.s_[:, _APART:], np.s_[:, :-_APART]),
+        (np.s_[_APART:], np.s_[:-_APART]),
+    ]
+    step = [np.angle(beat[a] * beat[b].conj()).ravel() for a, b in pairs]
+    expected = np.concatenate([(noise[a] + noise[b]).ravel() for a, b in pairs])
+    clear = expected < _CLEAR
+    if clear.sum() < _FEW:
+        return 0.0
+    seen = np.concatenate(step)[clear] ** 2 / chi2.median(1)
+    expected = expected[clear]
+    if np.median(seen / expected) < _HIDDEN:
+        return 0.0
+    return float(np.median(seen - expected)) / (2 * (1 + multiple**2))
 
 
 def _smoothed(power: Array, known: Flags) -> Array:
@@ -117,6 +151,6 @@ def _smoothed(power: Array, known: Flags) -> Array:
     return share[:, None, None] * mean
 
 
-def pixels_of_cells(cells: Numbers) -> Numbers:
+def pixels_of_cells(cells: Numbers, side: int = CELL) -> Numbers:
     """Image (H, W) that shows the value of its cell (h, w) in each pixel."""
-    return cells.repeat(CELL, 0).repeat(CELL, 1)
+    return cells.repeat(side, 0).repeat(side, 1)

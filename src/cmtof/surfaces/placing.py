@@ -57,7 +57,7 @@ _CLEAR = 1e-2  # uncertainty, rad, of normals that vote,
 _SHARP = 1.5e-3  # and of those elected
 _FARTHEST = 10.0  # offset, wraps, up to which a plane turns in proportion
 # information from which on a cell is turned back by its own phasors alone
-_ENOUGH = 60.0
+ENOUGH = 60.0
 
 
 Beats = tuple[Array, Array, Array]
@@ -290,7 +290,8 @@ def pooled_beats(field: Field, cells: Cells) -> Beats:
     for _ in range(_AGAIN if cells.rough.any() else 0):
         turned = cells.turned.copy()
         turned[1] *= np.exp(turn * np.append(found[0], 0)[cells.label])
-        again = _beats(field, cells._replace(turned=turned, sums=sum_cells(turned)))
+        sums = sum_cells(turned, cells.side)
+        again = _beats(field, cells._replace(turned=turned, sums=sums))
         found = (found[0] + again[0], *again[1:])
     return found
 
@@ -314,11 +315,11 @@ def _cell_phasors(field: Field, cells: Cells) -> Array:
     multiple = field.multiple
     if cells.rough.any():  # pixels are turned back by their own departure first
         off = departure(field, cells.turned, np.append(cells.rough, 0)[cells.label])
-        sums = sum_cells(turned_alike(field, cells.turned, off))
+        sums = sum_cells(turned_alike(field, cells.turned, off), cells.side)
     near = sums
     reached = cells.told.sum(axis=0)  # six functions miss what these turn back
-    for radius in (1, 2, 4):
-        weak = reached < _ENOUGH
+    for radius in (1, 2, 4) if cells.side > 1 else ():
+        weak = reached < ENOUGH
         wider = sum_nearby(np.concatenate([sums, cells.told]), cells.main, radius)
         near = np.where(weak, wider[:2], near)
         reached = np.where(weak, wider[2:].real.sum(axis=0), reached)

@@ -28,22 +28,28 @@ class Cells(NamedTuple):
     told: Array  # and their E
     rough: Array  # variance (N,), rad^2, of the pixels of each surface about it
 
+    @property
+    def side(self) -> int:
+        """Side of a cell, px."""
+        return self.label.shape[0] // self.main.shape[0]
 
-def cells_of_surfaces(field: Field, inner: Numbers, depth: Array, count: int) -> Cells:
-    """Phasors turned back by the depth, m, of surfaces, and how rough these are."""
-    rows, columns = (n // CELL for n in inner.shape)
-    middle = slice(
-        CELL // 2 - 1, CELL // 2 + 1
-    )  # of the four pixels there, as in a mirror
-    main = inner.reshape(rows, CELL, columns, CELL)[:, middle, :, middle].max(
-        axis=(1, 3)
-    )
-    main = main.astype(int)
-    whole = pixels_of_cells(main)
+
+def cells_of_surfaces(
+    field: Field, inner: Numbers, depth: Array, count: int, side: int = CELL
+) -> Cells:
+    """Phasors turned back by the depth, m, of surfaces, and how rough these are.
+
+    The surface of a cell is that of its middle: of four pixels, as in a mirror, if ``side`` is even.
+    """
+    rows, columns = (n // side for n in inner.shape)
+    middle = slice((side - 1) // 2, side // 2 + 1)
+    blocks = inner.reshape(rows, side, columns, side)
+    main = blocks[:, middle, :, middle].max(axis=(1, 3)).astype(int)
+    whole = pixels_of_cells(main, side)
     chosen = (whole == inner) & (inner >= 0)
     turned = np.where(chosen, turned_back(field, np.nan_to_num(depth)), 0)
-    told = sum_cells(np.where(chosen, field.information, 0).astype(float))
-    sums = sum_cells(turned)
+    told = sum_cells(np.where(chosen, field.information, 0).astype(float), side)
+    sums = sum_cells(turned, side)
     rough = roughness(main, sums, told, count)
     return Cells(main, np.where(chosen, inner, -1), turned, sums, told, rough)
 
@@ -54,10 +60,10 @@ def turned_back(field: Field, depth: Array) -> Array:
     return phasors * np.exp(-1j * field.wavenumber[:, None, None] * depth)
 
 
-def sum_cells(images: Array) -> Array:
+def sum_cells(images: Array, side: int = CELL) -> Array:
     """Sums of images (2, H, W) over cells."""
     _, height, width = images.shape
-    return images.reshape(2, height // CELL, CELL, width // CELL, CELL).sum(axis=(2, 4))
+    return images.reshape(2, height // side, side, width // side, side).sum(axis=(2, 4))
 
 
 def roughness(owner: Numbers, sums: Array, told: Array, count: int) -> Array:
