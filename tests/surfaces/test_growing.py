@@ -38,6 +38,23 @@ def test_information_is_one_over_the_variance_of_the_phase_and_darkness_has_none
     assert bright == approx(1 / simulated_phase_noise(1.0) ** 2, rel=0.05)
 
 
+@mark.parametrize("hidden", [0.0, 0.12])
+def test_noise_that_no_residual_shows_is_found_by_the_beats_of_neighbours(hidden, rng):
+    """A phase error that is the same in all samples of a pixel, as by vibration."""
+    sharp = 50.0
+    seen = simulated_phase_noise(1.0, sigma=sharp)
+    m = simulate(plane_frame((0.2, 0.1, 1), 2.5), noise=sharp, seed=6)
+    angle = m.phase[:, None] + m.dataset["psi"].to_numpy()[..., None, None]
+    off = rng.normal(0, hidden, m.phase.shape)[:, None] if hidden else 0.0
+    moved = m.amplitude[:, None] * (np.cos(angle + off) - np.cos(angle))
+    images = m.dataset["correlation"] + moved
+    field = field_from_measurement(Measurement(m.dataset.assign(correlation=images)))
+    spread = 1 / np.sqrt(np.median(field.information))
+    assert spread == approx(np.hypot(seen, hidden), rel=0.05)
+    length = np.hypot(field.real, field.imaginary)
+    assert np.median(length / field.information) == approx(1, rel=0.02)
+
+
 @mark.parametrize("shape", [(1, 1), (63, 65)])
 def test_padding_and_unknown_pixels_weigh_nothing(shape):
     phase = np.ones((2, *shape))

@@ -11,9 +11,10 @@ from exact_scenes import (
     whole_boxes,
 )
 from numpy.testing import assert_allclose
-from pytest import approx
+from pytest import approx, mark
 
 from cmtof.surfaces import placing
+from cmtof.surfaces.field import CELL
 from cmtof.surfaces.fitting import leaning, region_of_boxes
 from cmtof.surfaces.roughness import cells_of_surfaces
 from cmtof.surfaces.shapes import PLANE, moved
@@ -45,6 +46,18 @@ def test_pooled_beats_scatter_as_the_sum_of_their_phasors():
     # turning cells back by their own phasors takes some of the noise along
     assert noise.mean() == approx(expected, rel=0.05)
     assert (coherence > 0.95).all()
+
+
+@mark.parametrize(("side", "share"), [(CELL, 0), (1, 1)])
+def test_every_pixel_of_a_narrow_surface_counts_where_pixels_are_clear(side, share):
+    """Strips of three pixels that meet no middle of a cell."""
+    depth, q = plane_depth((0.3, -0.2, 1), 2.5)
+    field = exact_field(depth)
+    strips = np.where(np.arange(SHAPE[1]) % CELL < 3, INNER, -1)
+    cells = cells_of_surfaces(field, strips, depth, 1, side)
+    assert cells.side == side
+    counted = field.information[:, strips >= 0].sum() * share
+    assert cells.told.sum() == approx(counted)
 
 
 def test_shape_and_beat_are_weighed_by_what_is_known_of_them():
