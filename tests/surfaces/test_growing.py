@@ -10,64 +10,16 @@ from exact_scenes import (
     corner_scene,
     exact_field,
     plane_depth,
-    plane_frame,
 )
-from pytest import approx, mark
+from pytest import mark
 
-from cmtof.bounds import simulated_phase_noise
-from cmtof.constants import FREQUENCIES
 from cmtof.correlation import TAU
-from cmtof.measurement import Measurement
-from cmtof.simulation import simulate
-from cmtof.surfaces.field import CELL, field_from_measurement
+from cmtof.surfaces.field import CELL
 from cmtof.surfaces.growing import grown_surfaces
 from cmtof.surfaces.placing import depth_of_labels
 from cmtof.surfaces.windows import WINDOWS, plane_in_window, spectral_slopes
 
 CELLS = (SHAPE[0] // CELL, SHAPE[1] // CELL)
-
-
-def test_information_is_one_over_the_variance_of_the_phase_and_darkness_has_none():
-    """|p|^2 / s^2 of a dark pixel is 2 by its noise alone."""
-    half = SHAPE[1] // 2
-    intensity = np.broadcast_to(np.where(np.arange(SHAPE[1]) < half, 1.0, 0.0), SHAPE)
-    m = simulate(plane_frame((0, 0, 1), 2.5, intensity), protocol="full", seed=6)
-    field = field_from_measurement(m)
-    assert field.information[:, :, half + 40 :].mean() < 0.1
-    bright = field.information[:, :, : half - 8].mean()
-    assert bright == approx(1 / simulated_phase_noise(1.0) ** 2, rel=0.05)
-
-
-@mark.parametrize("hidden", [0.0, 0.12])
-def test_noise_that_no_residual_shows_is_found_by_the_beats_of_neighbours(hidden, rng):
-    """A phase error that is the same in all samples of a pixel, as by vibration."""
-    sharp = 50.0
-    seen = simulated_phase_noise(1.0, sigma=sharp)
-    m = simulate(plane_frame((0.2, 0.1, 1), 2.5), noise=sharp, seed=6)
-    angle = m.phase[:, None] + m.dataset["psi"].to_numpy()[..., None, None]
-    off = rng.normal(0, hidden, m.phase.shape)[:, None] if hidden else 0.0
-    moved = m.amplitude[:, None] * (np.cos(angle + off) - np.cos(angle))
-    images = m.dataset["correlation"] + moved
-    field = field_from_measurement(Measurement(m.dataset.assign(correlation=images)))
-    spread = 1 / np.sqrt(np.median(field.information))
-    assert spread == approx(np.hypot(seen, hidden), rel=0.05)
-    length = np.hypot(field.real, field.imaginary)
-    assert np.median(length / field.information) == approx(1, rel=0.02)
-
-
-@mark.parametrize("shape", [(1, 1), (63, 65)])
-def test_padding_and_unknown_pixels_weigh_nothing(shape):
-    phase = np.ones((2, *shape))
-    phase[1, 0, 0] = np.nan
-    known = np.isfinite(phase).all(axis=0)
-    field = field_from_measurement(
-        Measurement.from_phase(phase, FREQUENCIES, mask=known)
-    )
-    assert all(side % CELL == 0 and side >= 64 for side in field.cosine.shape)
-    for image in (field.real, field.imaginary, field.information):
-        assert np.isfinite(image).all() and image[:, : shape[0], 1 : shape[1]].all()
-        assert not image[:, 0, 0].any()
-        assert not image[:, shape[0] :].any() and not image[:, :, shape[1] :].any()
 
 
 def test_slopes_are_those_of_a_ramp(rng):

@@ -51,7 +51,7 @@ def test_pooled_beats_scatter_as_the_sum_of_their_phasors():
 @mark.parametrize(("side", "share"), [(CELL, 0), (1, 1)])
 def test_every_pixel_of_a_narrow_surface_counts_where_pixels_are_clear(side, share):
     """Strips of three pixels that meet no middle of a cell."""
-    depth, q = plane_depth((0.3, -0.2, 1), 2.5)
+    depth = plane_depth((0.3, -0.2, 1), 2.5)[0]
     field = exact_field(depth)
     strips = np.where(np.arange(SHAPE[1]) % CELL < 3, INNER, -1)
     cells = cells_of_surfaces(field, strips, depth, 1, side)

@@ -19,11 +19,14 @@ from cmtof.measurement import Measurement
 from cmtof.types import Array, Flags, Numbers, Pair
 
 CELL = 8  # side, px, of the cells in which surfaces grow
+ENOUGH = 60.0  # information from which on what moves both phases alike is known
 _SMALLEST = 64  # side, px, up to which smaller images are padded with pixels without information
 _APART = 2  # px between pixels whose beats are compared: the grain of a scan is finer
 _CLEAR = 0.2  # variance, rad^2, of the difference of two beats up to which they are,
 _FEW = 1000  # the number of these differences that is too few to tell,
-_HIDDEN = 1.3  # and the ratio of their variances, seen and expected, up to which all is well
+_HIDDEN = (
+    1.3  # and the ratio of their variances, seen and expected, up to which all is well
+)
 _SHARPEST = 3e-3  # least phase noise assumed, rad: without noise the shapes limit a fit
 _FOCAL_LENGTH = 1.2  # assumed without a camera, in widths of the image
 # Widths, px, over which amplitudes are averaged, and what sends a dark pixel to the next one.
@@ -43,6 +46,13 @@ class Field(NamedTuple):
     cosine: Array  # between each ray and the optical axis (H, W)
     limits: Pair  # depths to choose from, m
     period: float  # length of a wrap of the lower frequency, m
+
+    @property
+    def side(self) -> int:
+        """Side, px, of what tells by itself by how much it departs: a pixel if most are clear."""
+        told = self.information.sum(axis=0)
+        clear = (told > ENOUGH).sum() > (told > 0).sum() / 2
+        return 1 if clear else CELL
 
     @property
     def ratio(self) -> float:
@@ -115,18 +125,12 @@ def _hidden_noise(phase: Array, information: Array, multiple: float) -> float:
     beat = np.exp(1j * (phase[1] - multiple * phase[0]))
     low, high = 1 / np.maximum(information, 1e-9)
     noise = high + multiple**2 * low
-    pairs = [
-        (np.s_[:, _APART:], np.s_[:, :-_APART]),
-        (np.s_[_APART:], np.s_[:-_APART]),
-    ]
-    step = [np.angle(beat[a] * beat[b].conj()).ravel() for a, b in pairs]
-    expected = np.concatenate([(noise[a] + noise[b]).ravel() for a, b in pairs])
+    steps = [np.angle(beat * np.roll(beat, _APART, axis).conj()) for axis in (0, 1)]
+    expected = np.array([noise + np.roll(noise, _APART, axis) for axis in (0, 1)])
     clear = expected < _CLEAR
-    if clear.sum() < _FEW:
-        return 0.0
-    seen = np.concatenate(step)[clear] ** 2 / chi2.median(1)
+    seen = np.square(steps)[clear] / chi2.median(1)
     expected = expected[clear]
-    if np.median(seen / expected) < _HIDDEN:
+    if clear.sum() < _FEW or np.median(seen / expected) < _HIDDEN:
         return 0.0
     return float(np.median(seen - expected)) / (2 * (1 + multiple**2))
 

@@ -22,12 +22,7 @@ from cmtof.correlation import TAU
 from cmtof.estimate import Components, Estimate, within_range
 from cmtof.measurement import Measurement
 from cmtof.surfaces import contacts, placing
-from cmtof.surfaces.field import (
-    CELL,
-    Field,
-    field_from_measurement,
-    pixels_of_cells,
-)
+from cmtof.surfaces.field import Field, field_from_measurement, pixels_of_cells
 from cmtof.surfaces.growing import GAIN, ROUGHEST, fitted, grown_surfaces
 from cmtof.surfaces.roughness import Cells, cells_of_surfaces, departure, turned_back
 from cmtof.types import Array, Arrays, Flags, Numbers
@@ -128,10 +123,9 @@ def stages(
     grown = _grown(field, without, measurement.camera is not None)
     everywhere = grown.label[nearest(grown.label >= 0)]
     depth = placing.depth_of_labels(field, everywhere, grown.surfaces)
-    information = field.information.sum(axis=0)
-    clear = (information > placing.ENOUGH).sum() > (information > 0).sum() / 2
-    side = 1 if clear else CELL  # a clear pixel tells its own departure
-    cells = cells_of_surfaces(field, grown.inner, depth, len(grown.surfaces), side)
+    cells = cells_of_surfaces(
+        field, grown.inner, depth, len(grown.surfaces), field.side
+    )
     alone = _alone(field, cells, grown, without)
     touching = contacts.borders(field, grown.label, grown.surfaces)
     touching = touching._replace(odds=touching.odds * ("ties" not in without))

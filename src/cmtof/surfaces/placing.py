@@ -12,7 +12,7 @@ from scipy.ndimage import maximum_filter, minimum_filter, uniform_filter
 
 from cmtof.compiled import njit
 from cmtof.correlation import TAU
-from cmtof.surfaces.field import CELL, Field
+from cmtof.surfaces.field import CELL, ENOUGH, Field
 from cmtof.surfaces.fitting import pixel_likelihood
 from cmtof.surfaces.growing import around
 from cmtof.surfaces.roughness import (
@@ -56,8 +56,6 @@ _UPRIGHT = 5.0  # its least likelihood, 1 / rad
 _CLEAR = 1e-2  # uncertainty, rad, of normals that vote,
 _SHARP = 1.5e-3  # and of those elected
 _FARTHEST = 10.0  # offset, wraps, up to which a plane turns in proportion
-# information from which on a cell is turned back by its own phasors alone
-ENOUGH = 60.0
 
 
 Beats = tuple[Array, Array, Array]

@@ -37,14 +37,8 @@ class Cells(NamedTuple):
 def cells_of_surfaces(
     field: Field, inner: Numbers, depth: Array, count: int, side: int = CELL
 ) -> Cells:
-    """Phasors turned back by the depth, m, of surfaces, and how rough these are.
-
-    The surface of a cell is that of its middle: of four pixels, as in a mirror, if ``side`` is even.
-    """
-    rows, columns = (n // side for n in inner.shape)
-    middle = slice((side - 1) // 2, side // 2 + 1)
-    blocks = inner.reshape(rows, side, columns, side)
-    main = blocks[:, middle, :, middle].max(axis=(1, 3)).astype(int)
+    """Phasors turned back by the depth, m, of surfaces, and how rough these are."""
+    main = _middles(inner, side)
     whole = pixels_of_cells(main, side)
     chosen = (whole == inner) & (inner >= 0)
     turned = np.where(chosen, turned_back(field, np.nan_to_num(depth)), 0)
@@ -52,6 +46,14 @@ def cells_of_surfaces(
     sums = sum_cells(turned, side)
     rough = roughness(main, sums, told, count)
     return Cells(main, np.where(chosen, inner, -1), turned, sums, told, rough)
+
+
+def _middles(labels: Numbers, side: int) -> Numbers:
+    """Label in the middle of each cell (h, w): of the four pixels there, as in a mirror."""
+    height, width = labels.shape
+    blocks = labels.reshape(height // side, side, width // side, side)
+    middle = slice((side - 1) // 2, side // 2 + 1)
+    return blocks[:, middle, :, middle].max(axis=(1, 3)).astype(int)
 
 
 def turned_back(field: Field, depth: Array) -> Array:

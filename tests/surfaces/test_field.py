@@ -1,0 +1,63 @@
+"""Information of pixels: by the noise of their samples, by noise that none of these shows."""
+
+import numpy as np
+from exact_scenes import SHAPE, plane_frame
+from pytest import approx, mark
+
+from cmtof.bounds import simulated_phase_noise
+from cmtof.constants import FREQUENCIES
+from cmtof.measurement import Measurement
+from cmtof.simulation import simulate
+from cmtof.surfaces.field import CELL, field_from_measurement
+
+
+def test_information_is_one_over_the_variance_of_the_phase_and_darkness_has_none():
+    """|p|^2 / s^2 of a dark pixel is 2 by its noise alone."""
+    half = SHAPE[1] // 2
+    intensity = np.zeros(SHAPE)
+    intensity[:, :half] = 1.0
+    frame = plane_frame((0, 0, 1), 2.5, intensity)
+    field = field_from_measurement(simulate(frame, protocol="full", seed=6))
+    assert field.information[:, :, half + 40 :].mean() < 0.1
+    bright = field.information[:, :, : half - 8].mean()
+    assert bright == approx(1 / simulated_phase_noise(1.0) ** 2, rel=0.05)
+
+
+@mark.parametrize("hidden", [0.0, 0.12])
+def test_noise_that_no_residual_shows_is_found_by_the_beats_of_neighbours(hidden, rng):
+    """A phase error that is the same in all samples of a pixel, as by vibration."""
+    sharp = 50.0
+    seen = simulated_phase_noise(1.0, sigma=sharp)
+    m = simulate(plane_frame((0.2, 0.1, 1), 2.5), noise=sharp, seed=6)
+    angle = m.phase[:, None] + m.dataset["psi"].to_numpy()[..., None, None]
+    off = rng.normal(0, hidden, m.phase.shape)[:, None] if hidden else 0.0
+    cosine = np.cos(angle + off) - np.cos(angle)
+    moved = m.dataset["correlation"] + m.amplitude[:, None] * cosine
+    data = m.dataset.assign(correlation=moved)
+
+    field = field_from_measurement(Measurement(data))
+    told = field.information
+    spread = 1 / np.sqrt(np.median(told))
+    assert spread == approx(np.hypot(seen, hidden), rel=0.05)
+    length = np.hypot(field.real, field.imaginary)
+    assert np.median(length / told) == approx(1, rel=0.02)
+
+
+@mark.parametrize("shape", [(1, 1), (63, 65)])
+def test_padding_and_unknown_pixels_weigh_nothing(shape):
+    phase = np.ones((2, *shape))
+    phase[1, 0, 0] = np.nan
+    known = np.isfinite(phase).all(axis=0)
+    field = field_from_measurement(
+        Measurement.from_phase(phase, FREQUENCIES, mask=known)
+    )
+    sides = np.array(field.cosine.shape)
+    assert (sides % CELL == 0).all()
+    assert (sides >= 64).all()
+    rows, columns = shape
+    for image in (field.real, field.imaginary, field.information):
+        assert np.isfinite(image).all()
+        assert image[:, :rows, 1:columns].all()
+        assert not image[:, 0, 0].any()
+        assert not image[:, rows:].any()
+        assert not image[:, :, columns:].any()
