@@ -47,10 +47,10 @@ def sets_of_wraps(confidence: Array, measurement: Measurement) -> dict[str, Arra
     }
 
 
-def guess(measurement: Measurement) -> float:
-    """Odds of a guess among the wraps in range."""
+def guess(measurement: Measurement) -> Array:
+    """Odds (H, W) of a guess among the wraps in range."""
     first, last = wraps_in_range(measurement)
-    return 1 / (last - first + 1)
+    return np.full(measurement.shape, 1 / (last - first + 1))
 
 
 def beat_repeats(measurement: Measurement) -> float:

@@ -219,12 +219,11 @@ def confirmed(depth: Array, odds: Array, measurement: Measurement) -> Estimate:
     """
     synthetic = synthetic_frequency(*measurement.frequencies[:2])
     size, angle = beat_polar(measurement)
-    left = centred(angle - phase_from_depth(depth, synthetic.frequency))
+    left = angle - phase_from_depth(depth, synthetic.frequency)
+    left -= TAU * np.rint(left / TAU)
     size /= size.max() or 1.0  # its squares are within single precision
     size, left = np.where(measurement.mask, [size, left], 0).astype(np.float32)
-    mean = uniform_filter(size * np.cos(left), WINDOW) + 1j * uniform_filter(
-        size * np.sin(left), WINDOW
-    )
+    mean = uniform_filter(size * (np.cos(left) + 1j * np.sin(left)), WINDOW)
     around = noise_of_mean(mean, uniform_filter(size**2, WINDOW), WINDOW**2)
     low, high = phase_noise(measurement)
     least = np.pi * synthetic.frequency / measurement.frequencies[0]

@@ -107,14 +107,15 @@ def fused_depth(measurement: Measurement, wraps: Numbers, residual: Array) -> Ar
     return within_range(depth, measurement)
 
 
-def _misfit_noise(measurement: Measurement, residual: Array, gap: float) -> Array:
+def _misfit_noise(
+    measurement: Measurement, residual: Array, ratio: float, gap: float
+) -> Array:
     """Noise of the misfit of both phases (H, W), rad; ``gap`` parts that of two wraps.
 
     Where only phases were kept it is that of the residuals left over, if they are clearly smaller
     than chance would leave them.
     """
     noise = phase_noise(measurement)
-    ratio = measurement.frequencies[1] / measurement.frequencies[0]
     # infinite where nothing was measured: there every wrap is as likely
     spread = np.hypot(noise[1], ratio * noise[0])
     spread = spread.clip(_FINEST, 1e9)
@@ -133,7 +134,7 @@ def _posterior(measurement: Measurement, wraps: Numbers, residual: Array) -> Arr
     first, last = wraps_in_range(measurement)
     step = ratio - round(ratio)
     gap = TAU * max(abs(step), 1e-12)
-    spread = _misfit_noise(measurement, residual, gap)
+    spread = _misfit_noise(measurement, residual, ratio, gap)
     if (last - first - 1) * gap > TAU:
         return 1 / sum(
             np.exp(

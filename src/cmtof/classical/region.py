@@ -66,7 +66,7 @@ def spatial(measurement: Measurement) -> Estimate:
     depth = within_range(
         depth_from_phase(relative + TAU * offset, frequency), measurement
     )
-    return Estimate(depth, np.full(measurement.shape, guess(measurement)))
+    return Estimate(depth, guess(measurement))
 
 
 def region(measurement: Measurement) -> Estimate:
