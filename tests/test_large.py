@@ -102,9 +102,6 @@ def test_seams_are_no_worse_than_the_inside(tmp_path):
         near.extend(np.minimum(places, tile - 1 - places).min(axis=1) < 16)
     wrong = np.array(wrong)
     near = np.array(near)
-    print(
-        f"{SIDE} px: wrong {wrong[near].mean():.4f} near seams, {wrong[~near].mean():.4f} inside"
-    )
     assert wrong[near].mean() < wrong[~near].mean() + 0.02
 
 

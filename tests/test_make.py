@@ -1,6 +1,7 @@
 """The Makefile: what is wrong with a setting is said in one line, and no setting is run."""
 
 import subprocess
+import sys
 
 from pytest import mark
 
@@ -33,3 +34,20 @@ def test_settings_are_checked_and_never_run(tmp_path, arguments, message):
     assert message in ended.stderr
     assert len(ended.stderr.splitlines()) <= 2
     assert not mark.exists()
+
+
+@mark.parametrize("lost", ["", "html/index.html", "results/07_captures"])
+def test_what_is_lost_of_a_book_is_made_again(tmp_path, lost):
+    built = ["stage/a", "html/index.html"]
+    for path in ROOT.glob("notebooks/*.py"):
+        built = [f"results/{path.stem}/a", f"notebooks/{path.stem}.ipynb", *built]
+    for name in built:
+        (tmp_path / name).parent.mkdir(parents=True, exist_ok=True)
+        (tmp_path / name).touch()
+    if lost:
+        (tmp_path / lost).rename(tmp_path / "lost")
+    command = ["snakemake", "-n", "--nolock", "--config", "profile=ci"]
+    said = subprocess.check_output(
+        [sys.executable, "-m", *command, f"build={tmp_path}"], cwd=ROOT
+    )
+    assert (b"rule book:" in said) == bool(lost)
