@@ -75,7 +75,7 @@ class Measurement:
         variables = {"phase": phase, "amplitude": amplitude}
         return cls(_dataset(variables, {"frequency": frequencies}, more))
 
-    @property
+    @cached_property
     def frequencies(self) -> Array:
         """Modulation frequencies (F,), Hz."""
         return self.dataset["frequency"].to_numpy()
