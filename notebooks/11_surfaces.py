@@ -174,11 +174,12 @@ views.show_scene("scene_room", title="the room")
 # pixels that a hypothesis explains. The residual of a pixel's samples gives $s_f$. Vibration and
 # drift move all samples of a pixel alike, so they are in no residual. The beats of pixels two apart
 # show them, since depth hardly moves a beat: what these differ by beyond $s_f$ counts as noise of
-# every phase. Simulated frames have none of it, scans with the captures' noise have.
+# every phase. Frames of the simulator have none of it; scans of the simulated instrument with the
+# captures' noise have ([chapter 21](21_scanned_scenes.ipynb)).
 #
-# The method looks for the surfaces of largest $S$. A plane seen
-# by a camera is exactly linear in the inverse of its range: with $u = x/z$ and $v = y/z$ of each
-# ray and its cosine $\kappa$ to the optical axis,
+# The method looks for the surfaces of largest $S$. A plane seen by a camera is exactly linear in
+# the inverse of its range: with $u = x/z$ and $v = y/z$ of each ray and its cosine $\kappa$ to the
+# optical axis,
 #
 # $$\frac{1}{z} = \kappa\,(q_0 u + q_1 v + q_2 + q_3 u^2 + q_4 u v + q_5 v^2),$$
 #
