@@ -100,6 +100,7 @@ def test_planar_depth_becomes_range_along_the_ray(read):
         ("d.pgm", levels(1000), 6e-4),
         ("d.npy", levels(1000), 6e-4),
         ("d.npy", DEPTH, 1e-6),
+        ("d.pfm", DEPTH.astype(np.float32), 1e-6),
     ],
 )
 def test_other_formats_hold_levels_or_metres(read, name, depth, within):
