@@ -45,7 +45,7 @@ from cmtof.types import Array, Arrays, Shape, Single, Texts
 # Orders of rows and columns: as they are, left to right, upside down, and both.
 MIRRORS = [np.s_[..., ::down, ::right] for down in (1, -1) for right in (1, -1)]
 
-# All sessions share 256 MiB, which stay: to fetch all memory anew takes a third of the light
+# All sessions share 256 MiB, which stay: fetching all memory in each run takes a third of the light
 # network's time. What a run needs beyond them is given back after it.
 create_and_register_allocator(
     OrtMemoryInfo("Cpu", OrtAllocatorType.ORT_ARENA_ALLOCATOR, 0, OrtMemType.DEFAULT),

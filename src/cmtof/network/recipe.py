@@ -67,7 +67,7 @@ class Config(Strict):
     average: Annotated[float, Field(ge=0, lt=1)] = (
         0.998  # share of the old in averaged weights
     )
-    # standard deviation of each phase's error of calibration, drawn anew for each crop, rad
+    # standard deviation of each phase's error of calibration, drawn for each crop, rad
     offset: Annotated[float, Field(ge=0)] = 0.0
     optimizer: Literal["adamw", "muon"] = "adamw"
     precision: str = "bf16-mixed"  # Lightning's

@@ -256,7 +256,7 @@ def _limits(field: Field, depth: Array, label: Numbers, count: int) -> Array:
 
 
 class Ballot(NamedTuple):
-    """What pixels say of each other, (H, W) each; wraps of the lower frequency."""
+    """Evidence of pixels about each other, (H, W) each; wraps of the lower frequency."""
 
     asked: Flags  # whether a pixel is voted on, and votes
     low: Array  # phase, turns
