@@ -63,7 +63,7 @@ rule notebook:
         results=directory(f"{BUILD}/results/{{notebook}}"),
     params:
         parameters=parameters_of,
-        work=os.path.abspath(f"{BUILD}/failed/{{notebook}}"),
+        work=f"{BUILD}/failed/{{notebook}}",
     shell:
         "tools/execute.sh notebooks/{wildcards.notebook}.py {params.parameters:q} {params.work:q}"
         " {output.executed} {output.results}"
@@ -80,9 +80,9 @@ rule stage:
     shell:
         "mkdir -p {output}/notebooks {output}/book/{{claims,figures,_static/{{numbers,scenes}}}};"
         " tar -cf - {input.chapters:q} | tar -xf - -C {output};"
-        " cp {BUILD}/results/*/*.{{png,svg}} {output}/book/figures;"
-        " cp {BUILD}/results/*/*_*.csv {output}/book/_static/numbers;"
-        " cp {BUILD}/results/*/*_*.js {output}/book/_static/scenes;"
+        " find {input.results} -name '*.png' -o -name '*.svg' | xargs cp -t {output}/book/figures;"
+        " find {input.results} -name '*_*.csv' | xargs cp -t {output}/book/_static/numbers;"
+        " find {input.results} -name '*_*.js' | xargs cp -t {output}/book/_static/scenes;"
         " {PYTHON} -m cmtof_book.stage {BUILD} {output} {input.executed}"
 
 
@@ -98,11 +98,12 @@ rule book:
         f"{BUILD}/book.log",
     params:
         built=f"{BUILD}/sphinx",
+        sources=expand("notebooks/{notebook}.ipynb", notebook=NOTEBOOKS),
     shell:
         "rm -rf {params.built};"
         " .venv/bin/jupyter-book build {input[0]} -W -n --keep-going -q --path-output {params.built} 2>&1"
         " | sed $'s/\\x1b\\[[0-9;]*m//g' > {log} || {{ grep -E 'WARNING|ERROR' {log} || cat {log};"
         " echo 'The book did not build; warnings count as errors. Log: {log}'; exit 1; }} >&2;"
         " mv {params.built}/_build/html {output} && rm -r {params.built};"
-        " cp notebooks/*.ipynb {output}/_sources/notebooks;"  # without the outputs that pages show
+        " cp {params.sources} {output}/_sources/notebooks;"  # without the outputs that pages show
         " {PYTHON} -m cmtof_book.render {output}"

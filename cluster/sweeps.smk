@@ -1,4 +1,5 @@
-# What costs more than a build: methods over all test frames, and trainings, a job each.
+# What costs more than a build: methods over all test frames, a job for each protocol and noise, and
+# trainings, a job each.
 #   .venv/bin/snakemake -s cluster/sweeps.smk --cores 2 table2
 #   .venv/bin/snakemake -s cluster/sweeps.smk --profile cluster/slurm train --config recipe=gpu
 # Options by --config: methods, protocols, noises, models (words separated by commas), recipe.
@@ -26,9 +27,11 @@ rule table2:
 rule count:
     output:
         touch(SWEEP),
+    params:
+        methods=METHODS,
     shell:
         "{PYTHON} -m cmtof_book.tables --protocol {wildcards.protocol} --noise {wildcards.noise}"
-        " {METHODS}"
+        " {params.methods}"
 
 
 rule train:

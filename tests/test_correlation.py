@@ -71,6 +71,16 @@ def test_decoding_in_single_precision_errs_by_less_than_5_microradians(rng, step
     assert fast.phase.dtype == np.float32
     assert np.abs(co.centred(fast.phase - exact.phase)).max() < 5e-6
     assert_allclose(fast.amplitude, exact.amplitude, rtol=1e-5, atol=1e-2)
+    assert_allclose(fast.offset, exact.offset, rtol=1e-5)
+    assert fast.phase.min() >= 0
+    assert fast.phase.max() < TAU
+
+
+def test_two_frequencies_decode_each_with_its_own_steps(rng):
+    psi = np.stack([QUADRATURES, QUADRATURES + 0.2])
+    phase = rng.uniform(0, TAU, (2, 6, 7))
+    c = np.stack(list(map(co.correlation_from_phase, phase, psi)))
+    assert_allclose(co.decode(c, psi).phase, phase, atol=1e-12)
 
 
 def test_darkness_decodes_to_a_finite_phase():

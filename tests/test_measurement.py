@@ -276,6 +276,8 @@ def test_a_frame_is_told_from_a_measurement(tmp_path, tilted_wall):
 
 def test_nothing_half_written_is_left(tmp_path):
     broken = changed(bad=("x", np.array([object()] * 6)))
+    with raises(ValueError, match=r"named \*.nc"):
+        save_dataset(broken, tmp_path / "m.h5")
     with raises(Exception):  # noqa: B017 - whatever the writer raises
         save_dataset(broken, tmp_path / "m.nc")
     assert not list(tmp_path.iterdir())

@@ -4,7 +4,7 @@
 # and checks, appear when they are whole; what a failed run leaves lies in WORK with its log.
 set -euo pipefail
 
-script=$1 parameters=$2 work=$3 result=$4 folder=$5
+script=$1 parameters=$2 work=$(realpath -m "$3") result=$4 folder=$5
 rm -rf "$work"
 mkdir -p "$work"/results "$work"/ipython/profile_default
 # the kernel's remarks on its own workings, and a grammar that takes seconds, are left out

@@ -5,6 +5,7 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 from scipy.ndimage import distance_transform_edt
+from scipy.stats import chi2
 
 from cmtof.correlation import residual_noise, wrap_length
 from cmtof.measurement import Measurement, unambiguous_range
@@ -13,6 +14,15 @@ from cmtof.types import Array, Flags, Numbers
 # Half-widths of sets of wraps over the odds against a pixel's own: `cmtof_book.coverage` computes
 # them.
 SETS = {"within_90": 2.56, "within_95": 12.98}
+
+_SLOW = 0.01  # turns that a wrap adds to a beat up to which depth hardly moves it
+_APART = 2  # px between pixels whose beats are compared: the grain of a scan is finer
+_CLEAR = 0.2  # variance, rad^2, of the difference of two beats up to which they are,
+_FEW = 1000  # number of such differences that is too few to tell,
+_EXCESS = (
+    1.3  # ratio of their variances, seen and expected, up to which nothing is hidden,
+)
+_LEAST = 0.02  # and noise, rad, up to which depth may have done it
 
 
 class Components(NamedTuple):
@@ -88,6 +98,39 @@ def without_holes(measurement: Measurement) -> Measurement:
 
 
 def phase_noise(measurement: Measurement) -> Array:
+    """Phase noise of the first two frequencies (2, H, W), rad, seen and hidden."""
+    seen = seen_noise(measurement)
+    return np.hypot(seen, hidden_noise(measurement, seen))
+
+
+def hidden_noise(measurement: Measurement, seen: Array) -> float:
+    """Phase noise, rad, that no residual of a pixel's samples shows; zero where it is not clear.
+
+    Vibration and drift move all samples of a pixel alike. The beats ``phi_2 - m phi_1`` of pixels
+    two apart show it where the frequencies have nearly the ratio m, so that depth hardly moves a
+    beat: what they differ by, beyond the noise that is ``seen`` (2, H, W), rad.
+    """
+    ratio = float(np.divide(*measurement.frequencies[1::-1])) if len(seen) > 1 else 0.5
+    multiple = round(ratio)
+    if abs(ratio - multiple) > _SLOW:
+        return 0.0
+    beat = np.exp(1j * (measurement.phase[1] - multiple * measurement.phase[0]))
+    noise = np.where(
+        measurement.mask, seen[1] ** 2 + multiple**2 * seen[0] ** 2, np.inf
+    )
+    axes = [axis for axis in (0, 1) if beat.shape[axis] > _APART]
+    steps = [np.angle(beat * np.roll(beat, _APART, axis).conj()) for axis in axes]
+    expected = np.array([noise + np.roll(noise, _APART, axis) for axis in axes])
+    clear = expected < _CLEAR
+    if clear.sum() < _FEW:
+        return 0.0
+    expected = np.median(expected[clear])
+    excess = np.median(np.square(steps)[clear]) / chi2.median(1) - expected
+    least = max(_EXCESS * expected, 2 * (1 + multiple**2) * _LEAST**2)
+    return float(np.sqrt(excess / 2 / (1 + multiple**2))) if excess > least else 0.0
+
+
+def seen_noise(measurement: Measurement) -> Array:
     """Phase noise of the first two frequencies (2, H, W), rad: ``sqrt(2 / K) s / a``.
 
     The noise s of a sample is that of the fit's residual, a the amplitude. It is one radian where

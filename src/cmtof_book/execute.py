@@ -3,9 +3,9 @@
     python -m cmtof_book.execute NOTEBOOK PARAMETERS RESULT
 
 ``NOTEBOOK`` is the percent-format source, ``PARAMETERS`` a JSON object, ``RESULT`` the executed
-notebook. The Snakefile sets the variables that make a run repeatable: few threads, nobody's
+notebook. `tools/execute.sh` sets the variables that make a run repeatable: few threads, nobody's
 start-up, and ``CMTOF_OUTPUT``, the folder for figures and checks. It keeps results when they are
-whole; what a failed run leaves lies in ``build/PROFILE/failed`` together with its log.
+whole; the Snakefile puts what a failed run leaves into ``build/PROFILE/failed``, with its log.
 """
 
 import json

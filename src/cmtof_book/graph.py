@@ -5,6 +5,7 @@ the imports, those inside functions included. A data file of the package belongs
 its folder; `DATA` says which folder of data alone a module reads.
 """
 
+import os
 import re
 import shlex
 import sys
@@ -96,12 +97,12 @@ def inputs(stem: str) -> list[str]:
         for word in declared.get("data", ()):
             read += Path(base, word).rglob("*")
     found = closure(f"notebooks.{stem}").union(filter(Path.is_file, read))
-    return sorted(map(str, found))
+    return sorted(map(os.path.relpath, found))
 
 
 def tool(name: str) -> list[str]:
     """A module of `cmtof_book` and the files of the packages that it reaches."""
-    return sorted(map(str, closure(f"cmtof_book.{name}")))
+    return sorted(map(os.path.relpath, closure(f"cmtof_book.{name}")))
 
 
 def parameters_from_text(text: str) -> Values:

@@ -48,13 +48,15 @@ def test_pooled_beats_scatter_as_the_sum_of_their_phasors():
     assert (coherence > 0.95).all()
 
 
-@mark.parametrize(("side", "share"), [(CELL, 0), (1, 1)])
-def test_every_pixel_of_a_narrow_surface_counts_where_pixels_are_clear(side, share):
+@mark.parametrize(("information", "side", "share"), [(10, CELL, 0), (100, 1, 1)])
+def test_every_pixel_of_a_narrow_surface_counts_where_pixels_are_clear(
+    information, side, share
+):
     """Strips of three pixels that meet no middle of a cell."""
     depth = plane_depth((0.3, -0.2, 1), 2.5)[0]
-    field = exact_field(depth)
+    field = exact_field(depth, information=information)
     strips = np.where(np.arange(SHAPE[1]) % CELL < 3, INNER, -1)
-    cells = cells_of_surfaces(field, strips, depth, 1, side)
+    cells = cells_of_surfaces(field, strips, depth, 1, field.side)
     assert cells.side == side
     counted = field.information[:, strips >= 0].sum() * share
     assert cells.told.sum() == approx(counted)

@@ -10,23 +10,16 @@ from typing import NamedTuple
 
 import numpy as np
 from scipy.ndimage import gaussian_filter
-from scipy.stats import chi2
 
 from cmtof.constants import SPEED_OF_LIGHT
 from cmtof.correlation import TAU
-from cmtof.estimate import phase_noise
+from cmtof.estimate import hidden_noise, seen_noise
 from cmtof.measurement import Measurement
 from cmtof.types import Array, Flags, Numbers, Pair
 
 CELL = 8  # side, px, of the cells in which surfaces grow
 ENOUGH = 60.0  # information from which on what moves both phases alike is known
 _SMALLEST = 64  # side, px, up to which smaller images are padded with pixels without information
-_APART = 2  # px between pixels whose beats are compared: the grain of a scan is finer
-_CLEAR = 0.2  # variance, rad^2, of the difference of two beats up to which they are,
-_FEW = 1000  # the number of these differences that is too few to tell,
-_HIDDEN = (
-    1.3  # and the ratio of their variances, seen and expected, up to which all is well
-)
 _SHARPEST = 3e-3  # least phase noise assumed, rad: without noise the shapes limit a fit
 _FOCAL_LENGTH = 1.2  # assumed without a camera, in widths of the image
 # Widths, px, over which amplitudes are averaged, and what sends a dark pixel to the next one.
@@ -99,7 +92,7 @@ def field_from_measurement(measurement: Measurement) -> Field:
 def _weighted(measurement: Measurement) -> Array:
     """Real and imaginary part of P, and K: (3, 2, H, W)."""
     phase = measurement.phase[:2].astype(float)
-    spread = phase_noise(measurement)
+    spread = seen_noise(measurement)
     known = np.isfinite([phase, measurement.amplitude[:2], spread]).all(axis=(0, 1))
     ratio = np.where(known, 1 / np.maximum(np.where(known, spread, 1), _SHARPEST), 0)
     information = ratio**2  # phases alone do not say how noisy they are
@@ -108,31 +101,11 @@ def _weighted(measurement: Measurement) -> Array:
     # P = a p / s^2 with the smoothed a / s and this pixel's own p / s
     size = np.sqrt(information) * ratio
     turned = np.where(known, phase, 0)
-    multiple = np.rint(measurement.frequencies[1] / measurement.frequencies[0])
-    left = 1 / (1 + information * _hidden_noise(turned, information, multiple))
+    left = 1 / (1 + information * hidden_noise(measurement, spread) ** 2)
     size *= left
     information = information * left
     images = [size * np.cos(turned), size * np.sin(turned), information]
     return np.array(images, np.float32)
-
-
-def _hidden_noise(phase: Array, information: Array, multiple: float) -> float:
-    """Variance of phases, rad^2, that is in no residual of a pixel's samples; zero if unclear.
-
-    Vibration and drift between two frequencies move all samples of a pixel alike. The beats ``phi_2
-    - m phi_1`` of pixels near each other show it, since depth hardly moves them.
-    """
-    beat = np.exp(1j * (phase[1] - multiple * phase[0]))
-    low, high = 1 / np.maximum(information, 1e-9)
-    noise = high + multiple**2 * low
-    steps = [np.angle(beat * np.roll(beat, _APART, axis).conj()) for axis in (0, 1)]
-    expected = np.array([noise + np.roll(noise, _APART, axis) for axis in (0, 1)])
-    clear = expected < _CLEAR
-    seen = np.square(steps)[clear] / chi2.median(1)
-    expected = expected[clear]
-    if clear.sum() < _FEW or np.median(seen / expected) < _HIDDEN:
-        return 0.0
-    return float(np.median(seen - expected)) / (2 * (1 + multiple**2))
 
 
 def _smoothed(power: Array, known: Flags) -> Array:
