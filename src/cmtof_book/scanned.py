@@ -3,7 +3,8 @@
     python -m cmtof_book.scanned
 
 Everything is simulated. Scans go to build/scanned; what is there, or among the stored rates, is not
-computed again. Rates and fine-tuned weights go where the chapters read them: book/results.
+computed again. Rates and fine-tuned weights go where the chapters read them: book/results. What is
+taken out of book/results/scanned.json is counted again.
 """
 
 import shutil
