@@ -6,6 +6,7 @@ from pytest import approx, mark
 
 from cmtof.bounds import simulated_phase_noise
 from cmtof.constants import FREQUENCIES
+from cmtof.estimate import hidden_noise, seen_noise
 from cmtof.measurement import Measurement
 from cmtof.simulation import simulate
 from cmtof.surfaces.field import CELL, field_from_measurement
@@ -39,6 +40,20 @@ def test_noise_that_no_residual_shows_is_found_by_the_beats_of_neighbours(hidden
     assert told == approx(1 / (seen**2 + hidden**2), rel=0.1)
     length = np.hypot(field.real, field.imaginary)
     assert np.median(length) == approx(told, rel=0.02)
+
+
+@mark.parametrize(
+    "how",
+    [
+        {"noise_free": True},  # steps of the beat without any noise to expect
+        {"noise": 30, "frequencies": (7.15e9, 14.5e9)},  # steps of 10 mrad a wrap more
+        {"noise": 1200},  # too dark to tell
+    ],
+)
+def test_a_steep_wall_hides_no_noise(how):
+    """At 45 degrees, 0.85 wraps a pixel."""
+    m = simulate(plane_frame((1, 0, 1), 2.5, 0.1), **how)
+    assert hidden_noise(m, seen_noise(m)) == 0
 
 
 @mark.parametrize("shape", [(1, 1), (63, 65)])
