@@ -15,14 +15,13 @@ from cmtof.types import Array, Flags, Numbers
 # them.
 SETS = {"within_90": 2.56, "within_95": 12.98}
 
-_SLOW = 0.01  # turns that a wrap adds to a beat up to which depth hardly moves it
+# Beats show hidden noise if a wrap adds up to so many turns to them, for then depth hardly does.
+_SLOW = 0.01
 _APART = 2  # px between pixels whose beats are compared: the grain of a scan is finer
-_CLEAR = 0.2  # variance, rad^2, of the difference of two beats up to which they are,
-_FEW = 1000  # number of such differences that is too few to tell,
-_EXCESS = (
-    1.3  # ratio of their variances, seen and expected, up to which nothing is hidden,
-)
-_LEAST = 0.02  # and noise, rad, up to which depth may have done it
+_CLEAR = 0.2  # variance, rad^2, of the difference of two beats up to which they are
+_FEW = 1000  # number of such differences that is too few to tell
+_EXCESS = 0.5  # share of the expected variance up to which more of it may be chance
+_LEAST = 0.02  # noise, rad, up to which depth may have done it
 
 
 class Components(NamedTuple):
