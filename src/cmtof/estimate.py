@@ -7,7 +7,7 @@ from numpy.typing import NDArray
 from scipy.ndimage import distance_transform_edt
 from scipy.stats import chi2
 
-from cmtof.correlation import residual_noise, wrap_length
+from cmtof.correlation import centred, residual_noise, wrap_length
 from cmtof.measurement import Measurement, unambiguous_range
 from cmtof.types import Array, Flags, Numbers
 
@@ -113,18 +113,18 @@ def hidden_noise(measurement: Measurement, seen: Array) -> float:
     multiple = round(ratio)
     if abs(ratio - multiple) > _SLOW:
         return 0.0
-    beat = np.exp(1j * (measurement.phase[1] - multiple * measurement.phase[0]))
+    beat = measurement.phase[1].astype(float) - multiple * measurement.phase[0]
     noise = np.where(
         measurement.mask, seen[1] ** 2 + multiple**2 * seen[0] ** 2, np.inf
     )
     axes = [axis for axis in (0, 1) if beat.shape[axis] > _APART]
-    steps = [np.angle(beat * np.roll(beat, _APART, axis).conj()) for axis in axes]
+    steps = np.array([beat - np.roll(beat, _APART, axis) for axis in axes])
     expected = np.array([noise + np.roll(noise, _APART, axis) for axis in axes])
     clear = expected < _CLEAR
     if clear.sum() < _FEW:
         return 0.0
     expected = np.median(expected[clear])
-    excess = np.median(np.square(steps)[clear]) / chi2.median(1) - expected
+    excess = np.median(centred(steps[clear]) ** 2) / chi2.median(1) - expected
     least = max(_EXCESS * expected, 2 * (1 + multiple**2) * _LEAST**2)
     return float(np.sqrt(excess / 2 / (1 + multiple**2))) if excess > least else 0.0
 
