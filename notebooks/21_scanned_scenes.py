@@ -60,7 +60,7 @@ labelled = settings["labelled"]
 notes.say(
     """
     The objects are meshes with known range. They lie between 0.77 and 1.19 m, among the {wraps:.0f}
-    wraps that the paper's protocol distinguishes, and every method knows this range. Each is
+    wraps that the paper's protocol distinguishes, and every method is given this range. Each is
     scanned at {points:.0f} points a side, {pitch:.1f} mm apart for a footprint of {foot:.1f} mm
     (the diameter of the beam at the object). A point takes 16 phases in 13.3 ms, in both modes
     ([chapter 15](15_scan.ipynb)).
