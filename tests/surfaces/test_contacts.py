@@ -74,13 +74,18 @@ def joint_odds(alone, borders):
     """Odds (9, 9, 9) of all combinations of three offsets within four wraps of their own."""
     base = np.rint(alone.mean)[:, None]
     off = base + np.arange(-4, 5) - alone.mean[:, None]
-    density = np.exp(-((off / np.hypot(alone.spread, 0.3)[:, None]) ** 2) / 2)
+    spread = np.hypot(alone.spread, contacts._UNSEEN)[:, None]
+    density = np.exp(-((off / spread) ** 2) / 2)
     density = density / density.sum(axis=1, keepdims=True) + contacts._STRAY / 9
+    density /= density.sum(axis=1, keepdims=True)
     place = np.indices((9, 9, 9))
     wraps = base[..., None, None] + place - 4
     joint = np.prod([density[n, place[n]] for n in range(3)], axis=0)
+    alone = joint.copy()
     for a, b, step, odds in borders:
-        joint *= odds * (wraps[b] - wraps[a] == step) + (1 - odds) / 9
+        meets = wraps[b] - wraps[a] == step
+        odds = odds * min(9 * alone[meets].sum(), 1)
+        joint *= odds * meets + (1 - odds) / 9
     return joint
 
 
@@ -91,6 +96,13 @@ def test_a_false_contact_gives_way_to_those_that_agree():
     found = tied(known([0.1, 0.3, 0, 0.4, -0.2], [0.6] * 5), borders)
     assert not found.wraps.any()
     assert np.unique(found.group).size == 1
+
+
+def test_a_wall_behind_leaves_keeps_its_offset():
+    """Sixteen leaves seem to touch it fourteen wraps off, where its own beat forbids it."""
+    borders = between(*((0, leaf, 14, 0.9) for leaf in range(1, 17)))
+    found = tied(known([0.1, *[0.2] * 16], [0.1, *[1.0] * 16]), borders)
+    assert not found.wraps.any()
 
 
 def test_none_are_tied_that_disagree_or_against_the_odds():

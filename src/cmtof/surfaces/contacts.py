@@ -36,6 +36,7 @@ _CLOSE = (
 _MEETING = (-3.85, 1.66, 1.27, 2.75, 0.41, -0.61)
 _FAR = 10  # offset, wraps, up to which the odds of components are told
 _FARTHEST = 32  # offset, wraps, from that of the surface alone
+_UNSEEN = 0.2  # deviation, wraps, of an offset beside what its spread says
 _STRAY = 1e-5  # share of surfaces whose own offset is arbitrary
 _OUTSIDE = 1e-6  # density of offsets beyond the limits
 _LOOP = 0.3  # power of messages, since the same evidence comes back around loops
@@ -170,7 +171,8 @@ def tied(
     target = np.append(borders.second, borders.first)
     step = np.append(borders.step, -borders.step)[:, None] + base[source] - base[target]
     place = np.clip(offsets + _FARTHEST - step, -1, offsets.size) + 1
-    belief = _propagate(alone, source, target, place, np.tile(borders.odds, 2))
+    odds = np.tile(borders.odds, 2) * _agreement(alone, source, target, place)
+    belief = _propagate(alone, source, target, place, odds)
     share = softmax(belief, axis=1)
     alike = Tied(base[:, 0].astype(float), np.zeros(0, int), share).moved(share)
     return alike._replace(group=groups(alike.wraps, borders))
@@ -184,11 +186,29 @@ def _own_odds(found: Offsets, limits: Array, repeat: float) -> tuple[Numbers, Ar
     own = mean + np.where(mean + turns < high, turns, 0)
     base = np.rint(np.clip(own, low, high)).astype(int)
     offsets = np.arange(-_FARTHEST, _FARTHEST + 1)
-    off = (offsets - (own - base)) / np.hypot(found.spread, 0.3)[:, None]
+    off = (offsets - (own - base)) / np.hypot(found.spread, _UNSEEN)[:, None]
     density = softmax(-(off**2) / 2, axis=1) + _STRAY / offsets.size
     every = base + offsets
     inside = (every > low - 1) & (every < high + 1)
     return base, np.log(np.where(inside, density, _OUTSIDE))
+
+
+def _agreement(
+    alone: Array, source: Numbers, target: Numbers, place: Numbers
+) -> Array:
+    """Factor (2 B,) of the probability that surfaces meet: below one if their offsets forbid it.
+
+    It is how much likelier their own offsets make the step of the border than any other.
+    """
+    share = softmax(alone, axis=1)
+    there = np.take_along_axis(_beyond(share)[source], place, axis=1)
+    likelier = alone.shape[1] * np.sum(there * share[target], axis=1)
+    return np.minimum(likelier, 1)
+
+
+def _beyond(share: Array) -> Array:
+    """Probabilities (N, M + 2) of offsets, and none beyond the first and the last."""
+    return np.pad(share, ((0, 0), (1, 1)))
 
 
 def _propagate(
@@ -204,7 +224,7 @@ def _propagate(
     belief = alone
     for _ in range(_ROUNDS):
         back = np.roll(message, len(source) // 2, axis=0)  # the message the other way
-        told = np.pad(softmax(belief[source] - back, axis=1), ((0, 0), (1, 1)))
+        told = _beyond(softmax(belief[source] - back, axis=1))
         told = np.take_along_axis(told, place, axis=1)
         new = _LOOP * np.log(meets * told + (1 - meets) / count)
         new -= new.max(axis=1, keepdims=True)
