@@ -86,7 +86,7 @@ field = {n: looked(target[n], 60, 80, camera.focal_length / 8) for n in NAMES}
 def observed(instrument, name):
     """Range of one image, amplitude, and range without noise."""
     light = instrument.light(view[name], field[name])
-    images = instrument.capture(light, rng=np.random.default_rng([seed, side[name]]))[0]
+    images = instrument.capture(light, rng=np.random.default_rng([seed, side[name]]))
     return (
         *instrument.depth(images),
         instrument.depth(instrument.differences(light))[0],

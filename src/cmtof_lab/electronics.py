@@ -63,19 +63,19 @@ class Chain:
             row = row @ self.transition
         return np.array(found)
 
-    def run(self, light: Array, spread: Array, normals: Array | None) -> Array:
+    def run(self, light: Array, spread: Array, normals: Array) -> Array:
         """Output (N, T), V, at the start of each interval; the first finds the filters settled.
 
         ``light``, V, and ``spread``, V/sqrt(Hz), (N, T), are held for an interval each. ``normals``
-        (N, T + 1, 3) are standard normals, those of the initial state first; None is silence.
+        (N, T + 1, 3) are standard normals, those of the initial state first.
         """
+        # a product a row: one burst or many give the same bits
+        first = normals[:, :1] @ self.settled.T
+        later = normals[:, 1:] @ self.root.T
         state = np.repeat(light[:, :1], POLES, axis=1)
+        state = state + spread[:, :1] * first[:, 0]
         push = light[..., None] * self.entry
-        if normals is not None:  # a product a row: one burst or many give the same bits
-            first = normals[:, :1] @ self.settled.T
-            later = normals[:, 1:] @ self.root.T
-            state = state + spread[:, :1] * first[:, 0]
-            push = push + spread[..., None] * later
+        push = push + spread[..., None] * later
         outputs: list[Array] = []
         for i, row in enumerate(self.transition):
             into = push[..., i] + sum(map(np.multiply, outputs, row))

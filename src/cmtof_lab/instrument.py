@@ -62,26 +62,14 @@ _harmonics = lru_cache(maxsize=4096)(TwoPassModulator.harmonics)
 def keyed_generator(seed: int, purpose: int, key: int = 0) -> Generator:
     """Philox generator whose numbers depend on the arguments alone (Salmon et al., SC 2011)."""
     words = np.array([seed & WORD, purpose], np.uint64)
-    return Generator(Philox(key=words, counter=_counter(key)))
-
-
-def _counter(key: int) -> NDArray[np.uint64]:
-    """Counter of a Philox generator from which the numbers of a key are drawn."""
-    return np.array([0, key & WORD, 0, 0], np.uint64)
+    counter = np.array([0, key & WORD, 0, 0], np.uint64)
+    return Generator(Philox(key=words, counter=counter))
 
 
 def normals_by_key(seed: int, purpose: int, keys: Numbers, count: int) -> Array:
-    """Standard normals (N, count): row n is what `keyed_generator` draws first for key n."""
-    draw = keyed_generator(seed, purpose)
-    source = draw.bit_generator
-    # To set it is faster than to make a generator for each key
-    state: Any = source.state
-    made = np.empty((len(keys), count))
-    for row, key in zip(made, np.asarray(keys).tolist(), strict=True):
-        state["state"]["counter"] = _counter(key)
-        source.state = state
-        draw.standard_normal(out=row)
-    return made
+    """Standard normals (N, count), a row for each key, from a generator of its own."""
+    generators = [keyed_generator(seed, purpose, key) for key in keys.tolist()]
+    return np.stack([one.standard_normal(count) for one in generators])
 
 
 def drift(seed: int, channel: int, time: ArrayLike) -> Array:
@@ -272,11 +260,9 @@ class SimulatedInstrument:
         volts = np.minimum(light * volts_per_watt(settings), settings.saturation)
         filters = self._filters(rate)
         spread = np.sqrt(density(settings, volts))
-        if not settings.noise:
-            return counts_from_volts(filters.run(volts, spread, None))
         # a row: the filters' initial state, then for each sample the filters' noise and the ADC's
         size = POLES + (POLES + 1) * samples
-        drawn = normals_by_key(self.seed, LABEL, labels, size)
+        drawn = settings.noise * normals_by_key(self.seed, LABEL, labels, size)
         initial, by_sample = np.split(drawn, [POLES], axis=1)
         by_sample = by_sample.reshape(-1, samples, POLES + 1)
         normals = np.concatenate([initial[:, None], by_sample[..., :POLES]], axis=1)

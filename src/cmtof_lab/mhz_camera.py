@@ -144,14 +144,12 @@ class MhzCamera:
         turned = np.multiply.outer(np.exp(-1j * PSI), light[0])
         return self.modulation * turned.real
 
-    def capture(self, light: Light, *, rng: Generator, repeats: int = 1) -> Array:
-        """Difference images (repeats, 4, H, W), electrons: Skellam and read noise, rounded.
+    def capture(self, light: Light, *, rng: Generator) -> Array:
+        """Difference images (4, H, W), electrons: Skellam and read noise, rounded.
 
         NaN where a tap is full, which a camera sees by the sum of its taps.
         """
-        swing = np.broadcast_to(
-            self.differences(light), (repeats, STEPS, *light[1].shape)
-        )
+        swing = self.differences(light)
         a = (light[1] + swing) / 2
         b = (light[1] - swing) / 2
         noisy = skellam_gaussian(a, b, rng=rng, sigma=self.read_noise)
@@ -160,18 +158,16 @@ class MhzCamera:
         return np.where(np.maximum(a, b) < self.full_well, images, np.nan)
 
     def depth(self, differences: ArrayLike) -> Arrays:
-        """Range (..., H, W), m, and amplitude, electrons, of difference images (..., 4, H, W).
+        """Range (H, W), m, and amplitude, electrons, of difference images (4, H, W).
 
         NaN where the amplitude lies within the noise of a dark pixel, or tap or converter are full.
         """
-        images = np.moveaxis(np.asarray(differences, float), -3, 0)
-        found = decode(images.reshape(STEPS, -1), PSI)
-        amplitude = found.amplitude.reshape(images.shape[1:])
-        depth = depth_from_phase(found.phase, self.frequency).reshape(amplitude.shape)
-        lost = amplitude < np.sqrt(self.variance(0.0) * 2 / STEPS)
+        found = decode(differences, PSI)
+        depth = depth_from_phase(found.phase, self.frequency)
+        lost = found.amplitude < np.sqrt(self.variance(0.0) * 2 / STEPS)
         end = self.full_scale * (1 - 2.0**-self.bits)
-        lost |= ~(np.abs(images).max(0) < end)
-        return np.where(lost, np.nan, depth), amplitude
+        lost |= ~(np.abs(differences).max(0) < end)
+        return np.where(lost, np.nan, depth), found.amplitude
 
     def variance(self, charge: ArrayLike) -> Array:
         """Variance of A - B, electrons^2: Skellam, read noise, rounding."""

@@ -50,11 +50,6 @@ def object_mesh(name: str) -> Trimesh:
 
     From any point of the scene light has a range of 0.77 to 1.19 m: the wraps 36 to 56.
     """
-    if name not in OBJECTS:
-        known = ", ".join(OBJECTS)
-        raise ValueError(
-            f"Expected an object out of {known}, got {name!r}. Choose one."
-        )
     held = OBJECTS[name]
     mesh = _staged(map(_piece, held["pieces"]), 1.2, WALL, 0.4, 0.55)
     return _before(mesh, held["pitch"], held["middle"], held.get("distance", DISTANCE))

@@ -94,19 +94,17 @@ def trace(
     """Paths (N, 7) of the spot's sub-rays for optical angles (N, 2), rad."""
     # the spot's angle at 1 m serves at every range, or each ray would have to be traced twice
     angle = spot_radius(settings, 1.0)
-    count = len(_SPOT) if angle else 1
-    weights = _WEIGHTS if angle else np.ones(1)
-    rays = directions_from_angles(angles[:, None, :], angle * _SPOT[:count])
+    rays = directions_from_angles(angles[:, None, :], angle * _SPOT)
     hits = target.look(rays)
     distance = np.where(hits.range > 0, hits.range, 0.0)
-    rough, polished = (weights * one for one in returned_fractions(settings, hits))
+    rough, polished = (_WEIGHTS * one for one in returned_fractions(settings, hits))
     if settings.speckle and rough.any():
         # a gamma law of each sub-ray's cells, so that the whole spot follows that of all cells
-        cells = weights * speckle_cells(settings, np.maximum(distance, 1e-3))
+        cells = _WEIGHTS * speckle_cells(settings, np.maximum(distance, 1e-3))
         chance = uniform_from_places(
             seed,
             np.rint(angles / PLACE),
-            weights.size,
+            _WEIGHTS.size,
         )
         rough = rough * gammaincinv(cells, chance) / cells
     return Paths(distance, rough + polished)

@@ -61,15 +61,6 @@ class StereoRig:
             seen.append(found.reshape(*points.shape[:-1], 2))
         return np.stack(seen)
 
-    def undistorted(self, pixels: ArrayLike, k: int) -> Array:
-        """Points (N, 2) on the plane z = 1 of camera k, of its pixels (N, 2)."""
-        import cv2
-
-        stop = (cv2.TERM_CRITERIA_COUNT + cv2.TERM_CRITERIA_EPS, 20, 1e-12)
-        pixels = np.ascontiguousarray(pixels, float)[:, None]
-        lens = self.matrices[k], self.distortions[k]
-        return cv2.undistortPoints(pixels, *lens, criteria=stop).reshape(-1, 2)
-
     def triangulate(self, pixels: Array) -> Array:
         """Points (..., 3), m, of pairs of pixels (2, ..., 2); NaN without a pair."""
         import cv2
@@ -79,17 +70,21 @@ class StereoRig:
         points = np.full((flat.shape[1], 3), np.nan)
         if known.any():
             matrices = [pose.as_matrix()[:3] for pose in self.poses]
-            planes = [self.undistorted(flat[k, known], k).T for k in (0, 1)]
+            stop = (cv2.TERM_CRITERIA_COUNT + cv2.TERM_CRITERIA_EPS, 20, 1e-12)
+            planes = [
+                cv2.undistortPoints(one[known][:, None], *lens, criteria=stop)[:, 0].T
+                for one, *lens in zip(
+                    flat, self.matrices, self.distortions, strict=True
+                )
+            ]
             *place, scale = cv2.triangulatePoints(*matrices, *planes)
             ahead = place[2] * scale > 0
             points[known] = np.where(ahead, place / scale, np.nan).T
         return points.reshape(*pixels.shape[1:-1], 3)
 
 
-def simulated_rig(
-    *, baseline: float = 0.3, converge: float = 3.0, sensor: Sensor = SENSOR
-) -> StereoRig:
-    """Rig like Fig. 9a: cameras on either side of the scanner, axes meeting ``converge`` m away."""
+def simulated_rig(*, baseline: float = 0.3, sensor: Sensor = SENSOR) -> StereoRig:
+    """Rig like Fig. 9a: cameras on either side of the scanner, axes meeting 3 m away."""
     focal = sensor.focal_length / sensor.pitch
     height, width = sensor.shape
     matrix = np.array(
@@ -100,7 +95,7 @@ def simulated_rig(
         ]
     )
     half = baseline / 2
-    turn = np.arctan2(half, converge)
+    turn = np.arctan2(half, 3.0)
     left, right = (
         RigidTransform.from_components(
             [s * half, 0, 0], Rotation.from_rotvec([0, -s * turn, 0])
@@ -139,8 +134,6 @@ def calibrate(corners: ArrayLike, shape: Shape) -> tuple[StereoRig, float]:
 
     corners = np.asarray(corners, np.float32)
     views = corners.shape[1]
-    if views < 3:
-        raise ValueError(f"Expected at least 3 views, got {views}. Show more.")
     lenses = np.eye(3), np.zeros(5), np.eye(3), np.zeros(5)  # it writes into them
     rms, left, bent_left, right, bent_right, turn, shift, *_ = cv2.stereoCalibrate(
         [BOARD.astype(np.float32)] * views,
@@ -166,10 +159,6 @@ def locate_scanner(rig: StereoRig, pixels: Array, directions: Array) -> StereoRi
     points = rig.triangulate(pixels).reshape(-1, 3)
     beams = directions.reshape(-1, 3)
     known = np.isfinite(points).all(-1) & (beams[:, 2] > 0)
-    if known.sum() < 6:
-        raise ValueError(
-            f"Expected at least 6 spots, got {known.sum()}. Scan more of the scene."
-        )
     plane = beams[known, :2] / beams[known, 2:]
     _, turn, shift = cv2.solvePnP(points[known], plane, np.eye(3), np.zeros(4))
     scanner = RigidTransform.from_components(
@@ -201,10 +190,6 @@ def scan_spots(
 
     Lambertian spots with speckle, shot and read noise; the 99th percentile peaks at 70 % of a well.
     """
-    if frame.camera is None:
-        raise ValueError(
-            "Expected a frame with a camera, got none. State fx, fy, cx, cy."
-        )
     points = points_from_depth(frame.depth, frame.camera)
     pixels = rig.project(points)
     spots = Spots(np.full_like(pixels, np.nan), np.full_like(pixels[..., 0], np.nan))

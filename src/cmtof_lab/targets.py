@@ -10,8 +10,10 @@ from pathlib import Path
 from typing import Any, NamedTuple
 
 import numpy as np
+from numpy.lib.stride_tricks import sliding_window_view
 from numpy.typing import ArrayLike, NDArray
 from pydantic import ConfigDict
+from scipy.interpolate import RegularGridInterpolator
 
 from cmtof.frame import ray_lengths, rays_from_camera
 from cmtof.scenes import Frame, load_frame
@@ -41,14 +43,12 @@ class Plane:
     __pydantic_config__ = ConfigDict(extra="forbid")
     distance: float
     tilt_x: float = 0.0  # slope dz/dx as an angle, rad
-    tilt_y: float = 0.0  # dz/dy likewise
     reflectance: float = 0.5
     mirrored: float = 0.0
 
     def look(self, directions: Array) -> RayEnds:
         """Trace unit rays (..., 3) from the origin."""
-        slopes = np.tan([self.tilt_x, self.tilt_y])
-        normal = np.append(-slopes, 1.0)
+        normal = np.array([-np.tan(self.tilt_x), 0.0, 1.0])
         along = directions @ normal
         with np.errstate(divide="ignore"):
             reach = np.where(along > 0, self.distance / along, np.nan)
@@ -80,6 +80,13 @@ class FrameTarget:
         planar = np.asarray(frame.depth, float) / lengths
         self._inverse = 1 / planar
         self._cosine = _cosines(planar, rays_from_camera(planar.shape, self._camera))
+        middles = [np.arange(size) + 0.5 for size in planar.shape]
+        self._smooth = RegularGridInterpolator(
+            middles, self._inverse, bounds_error=False, fill_value=None
+        )
+        corners = sliding_window_view(self._inverse, (2, 2))
+        smallest = corners.min(axis=(2, 3))
+        self._step = np.ptp(corners, axis=(2, 3)) / smallest
 
     def look(self, directions: Array) -> RayEnds:
         """Trace unit rays (..., 3) from the origin."""
@@ -109,16 +116,11 @@ class FrameTarget:
     def _inverse_at(self, u: Array, v: Array) -> Array:
         """Inverse depth, 1/m, exact on planes; across a step that of the nearest pixel."""
         height, width = self._inverse.shape
-        i = np.clip(v - 0.5, 0, height - 2).astype(int)
-        j = np.clip(u - 0.5, 0, width - 2).astype(int)
-        aside = np.arange(2).reshape(2, *[1] * u.ndim)
-        corners = self._inverse[i + aside[:, None], j + aside]
-        left, right = corners.swapaxes(0, 1)
-        above, below = left + (u - 0.5 - j) * (right - left)
-        smooth = above + (v - 0.5 - i) * (below - above)
+        row = np.clip(v - 0.5, 0, height - 2).astype(int)
+        column = np.clip(u - 0.5, 0, width - 2).astype(int)
         return np.where(
-            np.ptp(corners, axis=(0, 1)) < LARGEST_STEP * corners.min(axis=(0, 1)),
-            smooth,
+            self._step[row, column] < LARGEST_STEP,
+            self._smooth((v, u)),
             self._inverse[v.astype(int), u.astype(int)],
         )
 

@@ -15,12 +15,9 @@ from cmtof_book import ROOT
 from cmtof_lab.instrument import (
     BURST_INTERVAL,
     DRIFT_RMS,
-    LABEL,
     SimulatedInstrument,
     amplitude,
     drift,
-    keyed_generator,
-    normals_by_key,
 )
 from cmtof_lab.settings import CAPTURES, NOISE, TwinSettings
 from cmtof_lab.targets import Plane
@@ -129,11 +126,3 @@ def test_disturbance_has_its_level_and_grain(mode):
     assert error.std() == approx(NOISE["captures"]["phase_noise"][0], rel=0.08)
     correlations = [np.corrcoef(error[:-lag], error[lag:])[0, 1] for lag in (1, 2)]
     assert_allclose(correlations, [NOISE["captures"]["grain"], 0], atol=0.09)
-
-
-def test_normals_by_key_are_those_of_a_generator_for_each():
-    keys = np.array([0, 7, 2**40])
-    apart = [
-        keyed_generator(-3, LABEL, key).standard_normal(5) for key in keys.tolist()
-    ]
-    assert (normals_by_key(-3, LABEL, keys, 5) == apart).all()

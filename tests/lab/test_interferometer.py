@@ -3,11 +3,10 @@
 from dataclasses import replace
 
 import numpy as np
-from numpy.testing import assert_allclose
 from pytest import approx, mark
 
 from cmtof.correlation import TAU
-from cmtof_lab.interferometer import Interferometer, _gaussian_root
+from cmtof_lab.interferometer import Interferometer
 from cmtof_lab.settings import TwinSettings
 from cmtof_lab.targets import MIRROR, PLATE
 
@@ -64,17 +63,3 @@ def test_fringes_lost_to_vibration():
     assert expected > 0.5
     assert lost.mean() == approx(expected, abs=4 * lost.std() / 20)
     assert Interferometer(speed=0.0).lost_fringes() == 0
-
-
-def test_speckle_is_circular_gaussian_with_its_length():
-    rng = np.random.default_rng(2)
-    places = np.linspace(0, 3.0, 31)
-    field = (
-        _gaussian_root(places)
-        @ rng.standard_normal((31, 20_000, 2)).view(complex)[..., 0]
-    )
-    assert np.mean(np.abs(field) ** 2 < 0.1) == approx(1 - np.exp(-0.1), rel=0.05)
-    assert abs(np.mean(field**2)) < 0.02
-    assert_allclose(
-        np.mean(field * np.conj(field[:1]), axis=1), np.exp(-(places**2)), atol=0.03
-    )

@@ -38,13 +38,6 @@ def test_the_field_returns_what_a_lambertian_wall_sends_into_the_pupil():
     assert found == approx(photons * share * 0.8 * 0.5)
 
 
-def test_polished_metal_is_faint_aside_and_blinding_ahead():
-    aside = CLEAN.signal(flat(cosine=0.9, mirrored=1.0))
-    ahead = CLEAN.signal(flat(mirrored=1.0))
-    assert_allclose(aside, 0.02 * CLEAN.signal(flat(cosine=0.9)))
-    assert (ahead > 1000 * CLEAN.signal(flat())).all()
-
-
 @mark.parametrize("z", [0.2, 1.4, 1.4 + c / 2e8])
 def test_ranges_are_exact_without_noise_and_repeat_after_one_wrap(z):
     camera = replace(CLEAN, power=1.0, full_scale=1e6)
@@ -57,8 +50,8 @@ def test_ranges_are_exact_without_noise_and_repeat_after_one_wrap(z):
 def test_noise_reaches_its_closed_form(power, distance, rng):
     """12 800 pixels: the standard error of a standard deviation is 0.6 %, the margin 3 %."""
     camera = MhzCamera(power=power)
-    view = flat(distance, shape=(16, 16))
-    images = camera.capture(camera.light(view, view), rng=rng, repeats=50)
+    view = flat(distance, shape=(80, 160))
+    images = camera.capture(camera.light(view, view), rng=rng)
     error = camera.error(camera.depth(images)[0], view.range)
     bound = camera.bound(view)[0, 0]
     assert error.std() == approx(bound, rel=0.03)
@@ -88,11 +81,3 @@ def test_a_veil_pulls_a_dark_spot_by_the_closed_form(dark):
     assert_allclose(bias(camera, spot, field), pull, rtol=1e-9)
     at_equal_range = flat(1.0, 0.8)
     assert np.abs(bias(camera, spot, at_equal_range)).max() < 1e-12
-
-
-def test_blur_mixes_ranges_at_an_edge_only():
-    view = flat(1.0)
-    view.range[:, 12:] = 1.1
-    error = bias(replace(CLEAN, blur=0.6), view)
-    assert np.abs(error[:, [0, 5, 18, 23]]).max() < 1e-5
-    assert error[0, 11] > 0.01 > -0.01 > error[0, 12]

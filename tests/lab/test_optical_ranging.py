@@ -56,14 +56,6 @@ def test_without_errors_the_range_is_right(mode, most):
     assert np.abs(errors).max() < most
 
 
-def test_air_that_changed_since_the_zero():
-    """(n - 1) z times the relative change, over 100 days."""
-    ranger = OpticalRanger(AIR, stage_error=0.0, air_change=(5.0, 0.0))
-    errors = ranger.sweep(PLATE, [0.0], repeats=100, seed=3) - 0.6
-    expected = (AIR.group_index - 1) * 0.6 * 5.0 / 293.15
-    assert errors.std() == approx(expected, rel=5 / np.sqrt(200))
-
-
 def test_coaxial_light_makes_a_cyclic_error():
     """To first order its share of the light, as a phase, at the crest of a wrap."""
     ranger = OpticalRanger(only("back_fraction"), **STILL)

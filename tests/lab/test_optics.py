@@ -26,13 +26,6 @@ def returned(z, cosine=1.0, mirrored=0.0):
     return sum(returned_fractions(REAL, hits))
 
 
-def test_air_slows_with_pressure_and_cold():
-    excess = TwinSettings().group_index - 1
-    assert 2.8e-4 < excess < 2.9e-4
-    assert TwinSettings(pressure=50662.5).group_index - 1 == approx(excess / 2)
-    assert TwinSettings(temperature=586.3).group_index - 1 == approx(excess / 2)
-
-
 def test_diffuse_light_falls_with_the_square_of_the_range():
     area = np.pi * REAL.aperture**2 / 4
     expected = 0.5 * 0.8 * area / (TAU * np.array([1, 4]))
@@ -57,15 +50,6 @@ def test_speckle_has_its_mean_and_contrast():
     cells = speckle_cells(REAL, 1.0)
     assert relative.mean() == approx(1, abs=4 / np.sqrt(20000 * cells))
     assert relative.std() == approx(1 / np.sqrt(cells), rel=0.05)
-
-
-def test_the_spot_is_symmetric_and_sees_the_mean_range():
-    paths = trace(
-        Plane(1.0), np.zeros((1, 2)), TwinSettings.ideal(divergence=5e-3), seed=0
-    )
-    weights = paths.fraction[0] / paths.fraction.sum()
-    assert weights[0] == approx(0.5, rel=1e-3)
-    assert (weights * paths.range[0]).sum() - 1 == approx(5e-3**2 / 4, rel=1e-2)
 
 
 def test_three_milliwatts_reach_the_scene():

@@ -10,7 +10,7 @@ from cmtof.bounds import phase_spread
 from cmtof.correlation import TAU, centred
 from cmtof_lab.rf_ranging import RfRanger, rf_image, skewed, straightened
 from cmtof_lab.settings import TwinSettings
-from cmtof_lab.sweep import POSITIONS, collected_power
+from cmtof_lab.sweep import POSITIONS
 from cmtof_lab.targets import MIRROR, PLATE, Plane
 
 
@@ -42,16 +42,6 @@ def test_an_imbalance_errs_twice_a_turn_and_is_taken_away(gain=0.9, error=-0.2):
     assert_allclose(straightened(read, gain, error), 2 * np.exp(1j * angle))
     wrong = centred(np.angle(read) - angle)
     assert np.argmax(np.abs(np.fft.rfft(wrong - wrong.mean()))) == 2
-
-
-def test_small_diode_sees_part_of_a_spot_and_all_of_a_mirror():
-    settings = TwinSettings()
-    share = RfRanger().seen_share(0.6)
-    assert 0.2 < share < 0.6
-    assert RfRanger(diameter=1e-2).seen_share(0.6) == approx(1)
-    plate = share * collected_power(settings, PLATE, 0.6)
-    assert RfRanger().power(PLATE, 0.6) == approx(plate)
-    assert RfRanger().power(MIRROR, 0.6) == collected_power(settings, MIRROR, 0.6)
 
 
 @mark.parametrize("reflectance", [1e-3, 1e-6])

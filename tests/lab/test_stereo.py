@@ -6,9 +6,9 @@ import numpy as np
 from hypothesis import given
 from hypothesis import strategies as st
 from numpy.testing import assert_allclose, assert_array_equal
-from pytest import approx, fixture, mark, raises
+from pytest import approx, fixture, mark
 
-from cmtof.constants import FREQUENCY_SINGLE, LASER_WAVELENGTH
+from cmtof.constants import FREQUENCY_SINGLE
 from cmtof.correlation import TAU, phase_from_depth, wrap_length
 from cmtof.frame import Frame, ray_lengths
 from cmtof.pointcloud import points_from_depth
@@ -109,30 +109,6 @@ def test_spots_locate_the_scanner(rng):
     )
 
 
-@mark.parametrize(
-    ("call", "message"),
-    [
-        (
-            lambda: stereo.calibrate(np.zeros((2, 2, 54, 2)), RIG.shape),
-            "at least 3 views, got 2",
-        ),
-        (
-            lambda: stereo.locate_scanner(RIG, np.zeros((2, 3, 2)), np.ones((3, 3))),
-            "least 6 spots",
-        ),
-        (
-            lambda: stereo.scan_spots(
-                Frame(planar(1.5), np.ones(SHAPE)), RIG, rng=None
-            ),
-            "a camera",
-        ),
-    ],
-)
-def test_bad_input_is_named(call, message):
-    with raises(ValueError, match=message):
-        call()
-
-
 def windows(rng, brightness, sigma, count=1500, shift=0.5):
     """Noisy windows (N, S, S), electrons, and where their spots lie."""
     places = stereo.WINDOW / 2 + rng.uniform(-shift, shift, (count, 2))
@@ -162,39 +138,11 @@ def test_no_spot_and_saturated_spots_are_refused(rng):
     assert np.isnan(stereo.place_spots(full, sensor)[1]).all()
 
 
-def test_speckle_moves_a_centroid_as_the_formula_says(rng, width=1.6):
-    """120 waves of random phase through the round aperture: 240 coordinates, known to 4.6 %."""
-    sensor = stereo.Sensor(contrast=1.0)
-    side = 160
-    finer = 4
-    place = (np.arange(side) - (side - 1) / 2) / finer
-    envelope = np.exp(-(place[:, None] ** 2 + place**2) / 4 / width**2)
-    cutoff = sensor.pitch / finer / (2 * LASER_WAVELENGTH * sensor.f_number)
-    passed = np.hypot(*np.meshgrid(*[np.fft.fftfreq(side)] * 2)) <= cutoff
-    centroids = []
-    for _ in range(120):
-        wave = envelope * (rng.standard_normal((side, side, 2)) @ [1, 1j])
-        light = np.abs(np.fft.ifft2(np.fft.fft2(wave) * passed)) ** 2
-        centroids.append([light.sum(0) @ place, light.sum(1) @ place] / light.sum())
-    assert np.std(centroids) == approx(sensor.speckle, rel=0.15)
-
-
-def test_no_plane_hides_itself():
-    y, x = np.indices(SHAPE)
-    inverse = 0.6 - 0.5 * (x - 20) / 60 + 0.5 * (y - 15) / 60
-    points = points_from_depth(planar(1 / inverse), CAMERA)
-    assert stereo.visible_from(points, (0.0, 0.2, 0.1)).all()
-
-
-@mark.parametrize("side", [-1, 1])
-def test_a_post_hides_what_geometry_says(post, side):
+def test_a_post_hides_what_geometry_says(post):
     """From 0.15 m aside the post's edge at 0.9 m hides 0.15 m of the wall at 1.8 m: 5 px."""
-    hidden = np.flatnonzero(
-        ~stereo.visible_from(points_of(post), (side * 0.15, 0, 0))[15]
-    )
-    edge = range(10, 15) if side > 0 else range(25, 30)
+    hidden = np.flatnonzero(~stereo.visible_from(points_of(post), (0.15, 0, 0))[15])
     assert 4 <= len(hidden) <= 6
-    assert len(set(hidden) & set(edge)) >= 4
+    assert len(set(hidden) & set(range(10, 15))) >= 4
 
 
 def test_stereo_alone_is_in_doubt_near_a_wraps_boundary(wall):

