@@ -76,6 +76,6 @@ def _brightness(
 ) -> Array:
     """Light on the target (N,) over its mean while the fibre drifts; 0 where none passes."""
     settings = instrument.settings
-    mean = settings.laser_power * (settings.fibre_low + settings.fibre_high) / 2
+    mean = settings.laser_power * settings.fibre
     passed = instrument.from_fibre(panel, BURST_INTERVAL * labels)
     return panel.target_in_beam * passed / mean

@@ -322,12 +322,11 @@ class SimulatedInstrument:
 
     def from_fibre(self, panel: Panel, times: Array) -> Array:
         """Power behind the fibre at times, W; 0 unless laser, shutter and interlock let it pass."""
-        low = self.settings.fibre_low
-        high = self.settings.fibre_high
+        settings = self.settings
         passed = panel.laser_on and panel.shutter_open and panel.interlock_closed
-        moved = (high - low) / 2 * drift(self.seed, 0, times)
-        fibre = (low + high) / 2 + moved
-        return passed * self.settings.laser_power * fibre
+        swing = (settings.fibre_high - settings.fibre_low) / 2
+        fibre = settings.fibre + swing * drift(self.seed, 0, times)
+        return passed * settings.laser_power * fibre
 
     def ranges(self, angles: ArrayLike) -> Array:
         """True ranges (...), m, of the scene at optical angles (..., 2), rad; NaN for nothing."""

@@ -26,7 +26,7 @@ from cmtof.types import Array, Numbers
 from cmtof_lab.electronics import SLOPE, Chain, density, root_of, volts_per_watt
 from cmtof_lab.optics import aperture_area, spot_radius
 from cmtof_lab.settings import TwinSettings
-from cmtof_lab.sweep import STAGE_ERROR, circular_normals, collected_power
+from cmtof_lab.sweep import STAGE_ERROR, Ranger, circular_normals, collected_power
 from cmtof_lab.targets import Plane
 
 AIR_PER_KELVIN = -0.93e-6  # 1/K, change of the air's index at 20 C (known)
@@ -41,7 +41,7 @@ class Fringes(NamedTuple):
 
 
 @dataclass(frozen=True, kw_only=True)
-class Interferometer:
+class Interferometer(Ranger):
     """Interferometer of Table 4: both drives off, beam block out, APD440A behind grey filters."""
 
     settings: TwinSettings = field(default_factory=TwinSettings)
@@ -127,32 +127,17 @@ class Interferometer:
         variance += (self.intensity_noise * offset) ** 2
         return Fringes(amplitude, offset, variance * settings.noise)
 
-    def sweep(
-        self,
-        target: Plane,
-        positions: ArrayLike,
-        *,
-        repeats: int,
-        seed: int,
-    ) -> Array:
-        """Ranges (repeats, P), m, counted from the known first of stage positions (P,), m.
-
-        A repeat is another day: wavelength, mirror's travel, speckle and drift are drawn again.
-        """
-        stops = np.asarray(positions, float)
-        stations = self._stations(stops)
-        fringes = self.fringes(target, target.distance + _along(stations, stops))
-        found = np.zeros((repeats, stops.size))
-        for repeat in range(repeats):
-            rng = np.random.default_rng([seed, repeat])
-            speckle = _along(stations, self._speckle(target, stops, rng))
-            shown = fringes._replace(amplitude=fringes.amplitude * speckle)
-            believed = self.wavelength * (
-                1 + self.wavelength_error * rng.standard_normal()
-            )
-            counted = self._counted(self._way(target, stops, stations, rng), shown, rng)
-            found[repeat, 1:] = counted[stations[1:]] * believed / (2 * TAU)
-        return target.distance + stops[0] + found
+    def day(self, target: Plane, positions: Array, rng: Generator) -> Array:
+        """Ranges (P,), m, counted from the known first of stage positions (P,), m."""
+        stations = self._stations(positions)
+        seen = self.fringes(target, target.distance + _along(stations, positions))
+        speckle = _along(stations, self._speckle(target, positions, rng))
+        shown = seen._replace(amplitude=seen.amplitude * speckle)
+        believed = self.wavelength * (1 + self.wavelength_error * rng.standard_normal())
+        way = self._way(target, positions, stations, rng)
+        counted = self._counted(way, shown, rng)
+        moved = np.append(0.0, counted[stations[1:]] * believed / (2 * TAU))
+        return target.distance + positions[0] + moved
 
     def _stations(self, stops: Array) -> Numbers:
         """Readings at the stops, of all that the stage passes on its way."""

@@ -9,7 +9,6 @@ with S the charge of both taps and m the modulation of square waves behind a pol
 cameras calibrate to below a millimetre (cyclic error, fixed pattern, late taps) is left out.
 """
 
-from collections.abc import Callable
 from dataclasses import dataclass
 
 import numpy as np
@@ -126,18 +125,21 @@ class MhzCamera:
         Direct, blurred, and scattered evenly from all of ``field``.
         """
 
-        def mixed(part: Callable[[RayEnds], Array]) -> Array:
-            near = gaussian_filter(part(view), self.blur, mode="nearest")
-            return (1 - self.veil) * near + self.veil * part(field).mean()
+        near = self._lights(view)
+        far = self._lights(field)
+        phasor, charge = (
+            (1 - self.veil) * gaussian_filter(own, self.blur, mode="nearest")
+            + self.veil * every.mean()
+            for own, every in zip(near, far, strict=True)
+        )
+        return phasor, charge
 
-        def phasor(part: RayEnds) -> Complex:
-            turn = -1j * (TAU / self.wrap)
-            return self.signal(part) * np.exp(turn * np.nan_to_num(part.range))
-
-        def charge(part: RayEnds) -> Array:
-            return self.signal(part) + self.room(part)
-
-        return mixed(phasor), mixed(charge)
+    def _lights(self, view: RayEnds) -> Light:
+        """Phasor of the direct light, and charge by all light, electrons of a step (H, W)."""
+        own = self.signal(view)
+        turn = -1j * (TAU / self.wrap)
+        phasor = own * np.exp(turn * np.nan_to_num(view.range))
+        return phasor, own + self.room(view)
 
     def differences(self, light: Light) -> Array:
         """Mean of A - B in each step, electrons, (4, H, W)."""

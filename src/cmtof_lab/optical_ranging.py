@@ -27,7 +27,14 @@ from cmtof_lab.electronics import SLOPE, Chain, density, volts_per_watt
 from cmtof_lab.instrument import Panel, RfKnobs, SimulatedInstrument
 from cmtof_lab.optics import ambient, emission_mean
 from cmtof_lab.settings import TwinSettings
-from cmtof_lab.sweep import STAGE_ERROR, WRAP, collected_power, reading_times, visited
+from cmtof_lab.sweep import (
+    STAGE_ERROR,
+    WRAP,
+    Ranger,
+    collected_power,
+    reading_times,
+    visited,
+)
 from cmtof_lab.targets import Plane
 
 # Modulation frequency of each mode, Hz.
@@ -38,7 +45,7 @@ FREQUENCY = {
 
 
 @dataclass(frozen=True)
-class OpticalRanger:
+class OpticalRanger(Ranger):
     """All-optical correlation at 7.15 ("single") or 14.32 GHz ("doubled") (Sec. 7, 8.2).
 
     ``visits`` readings at known ranges over one wrap set the zero, as in a scan; a single one
@@ -105,41 +112,25 @@ class OpticalRanger:
         means = bursts[..., self.settle :].mean(-1).T
         return decode(means, nominal_psi(self.phases)).phase
 
-    def sweep(
-        self,
-        target: Plane,
-        positions: ArrayLike,
-        *,
-        repeats: int,
-        seed: int,
-    ) -> Array:
-        """Estimated ranges (repeats, P), m, at stage positions (P,), m from the target's distance.
-
-        Each repeat is another instrument on another day; ranges are unwrapped to the known wrap.
-        """
-        offsets = np.asarray(positions, float)
-        days = [np.random.default_rng((seed, repeat)) for repeat in range(repeats)]
-        return np.stack([self._day(target, offsets, rng) for rng in days])
-
-    def _day(self, target: Plane, offsets: Array, rng: Generator) -> Array:
-        """Estimated ranges (P,), m, of one sweep."""
+    def day(self, target: Plane, positions: Array, rng: Generator) -> Array:
+        """Estimated ranges (P,), m, of one sweep, unwrapped to the known wrap."""
         settings = self.before(target)
-        stated = np.append(visited(self.visits), offsets)
+        stated = np.append(visited(self.visits), positions)
         index = settings.group_index
         instrument = SimulatedInstrument(
             _another_day(settings, rng), seed=int(rng.integers(2**63))
         )
         thicker = self._air_change(settings, rng)
         place = stated + self.stage_error * rng.standard_normal(stated.size)
-        labels = 1 + np.rint(reading_times(self, offsets.size) / BURST_INTERVAL).astype(
-            int
-        )
+        labels = 1 + np.rint(
+            reading_times(self, positions.size) / BURST_INTERVAL
+        ).astype(int)
         phases = self.phase(self.counts(instrument, place, labels))
         ranges = index * (target.distance + stated)
         off = range_errors(phases, ranges, self.frequency, visits=self.visits)[
             self.visits :
         ]
-        return (target.distance + offsets) * (1 + thicker / index) + off / index
+        return (target.distance + positions) * (1 + thicker / index) + off / index
 
     def _air_change(self, settings: TwinSettings, rng: Generator) -> float:
         """Change of the air's index since the zero, by whose index the lab divides."""

@@ -150,6 +150,5 @@ def emission_mean(settings: TwinSettings, mode: str) -> float:
 
 def sent_power(settings: TwinSettings, mode: str = "single") -> float:
     """Mean power sent to the scene, W, the fibre at the middle of its drift (Sec. 7.1: 3 mW)."""
-    fibre = (settings.fibre_low + settings.fibre_high) / 2
-    emitted = settings.laser_power * fibre * emission_mean(settings, mode)
+    emitted = settings.laser_power * settings.fibre * emission_mean(settings, mode)
     return emitted * outward(settings)

@@ -28,6 +28,7 @@ from cmtof_lab.optics import inward, sent_power, speckle_cells, spot_radius, tra
 from cmtof_lab.settings import TwinSettings
 from cmtof_lab.sweep import (
     STAGE_ERROR,
+    Ranger,
     circular_normals,
     collected_power,
     reading_times,
@@ -37,7 +38,7 @@ from cmtof_lab.targets import Plane, Target
 
 
 @dataclass(frozen=True, kw_only=True)
-class RfRanger:
+class RfRanger(Ranger):
     """RF demodulation with laser, emission and optics of the all-optical instrument.
 
     The paper names the photodiode only, the rest are catalogue parts (*known*, *assumed*: as in
@@ -157,25 +158,15 @@ class RfRanger:
         ways = np.multiply(self.settings.group_index, ranges)
         return phase_from_depth(ways, FREQUENCY[self.mode])
 
-    def sweep(
-        self,
-        target: Plane,
-        positions: ArrayLike,
-        *,
-        repeats: int,
-        seed: int,
-    ) -> Array:
-        """Estimated ranges (repeats, P), m, of a target at positions (P,), m; each repeat a day."""
+    def day(self, target: Plane, positions: Array, rng: Generator) -> Array:
+        """Estimated ranges (P,), m, of one sweep."""
         count = self.visits
         ranges = target.distance + np.append(visited(count), positions)
-        found = []
-        for repeat in range(repeats):
-            read = self.readings(target, ranges, np.random.default_rng([seed, repeat]))
-            turned = read * np.exp(-1j * self.phase(ranges))
-            zero = turned[:count].sum()
-            off = centred(np.angle(turned[count:] / zero))
-            found.append(ranges[count:] + off / self.phase(1.0))
-        return np.stack(found)
+        read = self.readings(target, ranges, rng)
+        turned = read * np.exp(-1j * self.phase(ranges))
+        zero = turned[:count].sum()
+        off = centred(np.angle(turned[count:] / zero))
+        return ranges[count:] + off / self.phase(1.0)
 
     def bound(self, target: Plane, positions: ArrayLike) -> Array:
         """Cramer-Rao bound (P,), m: noise of one reading at the mean light, nothing else."""

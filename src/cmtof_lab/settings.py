@@ -114,6 +114,11 @@ class TwinSettings:
     scene: Any = None
 
     @property
+    def fibre(self) -> float:
+        """Mean transmission of the fibre."""
+        return (self.fibre_low + self.fibre_high) / 2
+
+    @property
     def group_index(self) -> float:
         """Group index of the air for the laser's light."""
         return air.group_index(

@@ -5,7 +5,7 @@ range of each spot gives its wrap count. What the cameras see is simulated; geom
 """
 
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import NamedTuple
 
 import numpy as np
@@ -165,7 +165,7 @@ def locate_scanner(rig: StereoRig, pixels: Array, directions: Array) -> StereoRi
         shift.ravel(), Rotation.from_rotvec(turn.ravel())
     )
     left, right = (pose * scanner.inv() for pose in rig.poses)
-    return StereoRig(rig.matrices, rig.distortions, (left, right), rig.shape)
+    return replace(rig, poses=(left, right))
 
 
 class Spots(NamedTuple):

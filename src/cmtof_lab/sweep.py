@@ -6,6 +6,7 @@ The error of one repeat at stage position x is split by least squares,
           \mathrm{RMSE}^2 = o^2 + s^2\,\mathrm{var}(x) + \frac{P-2}{P}\,\sigma_r^2 .
 """
 
+from abc import ABC, abstractmethod
 from dataclasses import replace
 from typing import Any, NamedTuple
 
@@ -43,6 +44,30 @@ def collected_power(
     whole = trace(target, np.zeros((1, 2)), smooth, 0).fraction.sum()
     power = sent_power(settings, mode) * inward(settings) * whole
     return (power * share[1:] / share[0]).reshape(np.shape(ranges))
+
+
+class Ranger(ABC):
+    """A range finder before a target on a stage."""
+
+    def sweep(
+        self,
+        target: Plane,
+        positions: ArrayLike,
+        *,
+        repeats: int,
+        seed: int,
+    ) -> Array:
+        """Estimated ranges (repeats, P), m, at stage positions (P,), m from the target's distance.
+
+        A repeat is another day: all that no setting states is drawn again.
+        """
+        stops = np.asarray(positions, float)
+        days = [np.random.default_rng([seed, repeat]) for repeat in range(repeats)]
+        return np.stack([self.day(target, stops, rng) for rng in days])
+
+    @abstractmethod
+    def day(self, target: Plane, positions: Array, rng: Generator) -> Array:
+        """Estimated ranges (P,), m, of one sweep."""
 
 
 def circular_normals(rng: Generator, count: int) -> Complex:
