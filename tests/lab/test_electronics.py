@@ -8,19 +8,11 @@ from cmtof.correlation import TAU
 from cmtof_lab.electronics import (
     Chain,
     counts_from_volts,
-    density,
     volts_from_counts,
 )
 from cmtof_lab.settings import TwinSettings
 
 STEP = 1 / 24000
-
-
-def test_shot_noise_grows_with_the_output():
-    one = TwinSettings()
-    slope = 2 * 1.602176634e-19 * one.gain**1.3 * one.transimpedance
-    assert density(one, 0.0) == approx(one.noise_density**2)
-    assert density(one, 2.0) - density(one, 1.0) == approx(slope)
 
 
 @mark.parametrize("rc_time", [20e-6, 2e-3])

@@ -16,7 +16,6 @@ from cmtof_lab.instrument import (
     BURST_INTERVAL,
     DRIFT_RMS,
     SimulatedInstrument,
-    amplitude,
     drift,
 )
 from cmtof_lab.settings import CAPTURES, NOISE, TwinSettings
@@ -59,33 +58,12 @@ def test_contrast_is_that_of_the_closed_form(mode):
     assert found.amplitude / found.offset == approx(wanted, rel=2e-2)
 
 
-def test_amplitude_follows_power_and_resonance():
-    drive = TwinSettings()
-    full = abs(amplitude(drive, 30.0, 7.15e9))
-    assert full == approx(drive.eta) == approx(abs(amplitude(drive, 30.0, 7.16e9)))
-    assert abs(amplitude(drive, 30.0 - 20 * np.log10(2), 7.15e9)) == approx(full / 2)
-    edge = drive.resonance + drive.resonance_width / 2
-    at_peak, at_edge = (abs(amplitude(drive, 30.0, f)) for f in (drive.resonance, edge))
-    assert at_edge / at_peak == approx(np.sqrt(0.5))
-
-
 def test_light_and_modulation_need_their_switches():
     instrument = SimulatedInstrument(IDEAL, Plane(0.6))
     for knob in ("laser_on", "shutter_open", "interlock_closed"):
         assert not profile(instrument, ready("single", **{knob: False})).round(3).any()
     seen = profile(instrument, ready("single", clock_on=False))
     assert np.ptp(seen) < 1e-3 < seen.mean()
-
-
-def test_drivers_make_the_errors_that_they_are_said_to_have():
-    phases, every = np.linspace(0, 6, 50), np.arange(65536) * 2 * np.pi / 65536
-    error = (
-        SimulatedInstrument(replace(IDEAL, iq_imbalance=0.02)).made_phase(0, phases)
-        - phases
-    )
-    assert_allclose(error, 0.02 * np.sin(2 * phases), atol=1e-12)
-    coded = SimulatedInstrument(replace(IDEAL, phase_step_error=5e-4), seed=4)
-    assert (coded.made_phase(1, every) - every).std() == approx(5e-4, rel=0.02)
 
 
 def test_drift_is_bounded_with_its_rms_and_follows_the_labels():

@@ -9,7 +9,6 @@ from pytest import approx
 from cmtof.correlation import TAU
 from cmtof_lab.optics import (
     returned_fractions,
-    sent_power,
     speckle_cells,
     trace,
     uniform_from_places,
@@ -50,14 +49,6 @@ def test_speckle_has_its_mean_and_contrast():
     cells = speckle_cells(REAL, 1.0)
     assert relative.mean() == approx(1, abs=4 / np.sqrt(20000 * cells))
     assert relative.std() == approx(1 / np.sqrt(cells), rel=0.05)
-
-
-def test_three_milliwatts_reach_the_scene():
-    single, doubled = (
-        sent_power(TwinSettings(), mode) for mode in ("single", "doubled")
-    )
-    assert single == approx(3e-3, rel=0.1)
-    assert doubled < single
 
 
 def test_numbers_of_places_depend_on_the_place_alone():

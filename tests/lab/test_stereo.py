@@ -155,17 +155,6 @@ def test_stereo_alone_is_in_doubt_near_a_wraps_boundary(wall):
     assert_array_equal(truth.wraps[truth.mask], (wall.depth // WRAP)[truth.mask])
 
 
-@mark.parametrize(("sigma", "labelled"), [(0.2, True), (3.0, False)])
-def test_with_the_phase_half_a_wrap_is_enough(wall, sigma, labelled):
-    truth = stereo.truth_from_spots(exact(wall, sigma), RIG, phase=measured_phase(wall))
-    assert truth.mask.all() == labelled
-    assert (3 * truth.uncertainty < WRAP / 2).all() == labelled
-    right = (truth.wraps == wall.depth // WRAP) & (
-        np.abs(truth.depth - wall.depth) < 1e-5
-    )
-    assert (right | ~truth.mask).all()
-
-
 def test_a_wrong_pair_is_seen_across_the_epipolar_line(wall):
     spots = exact(wall)
     spots.pixels[1, 3, 4, 1] += 1.0  # 14 of its standard deviations
