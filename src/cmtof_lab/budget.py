@@ -113,7 +113,7 @@ def back_ratio(settings: TwinSettings, target: Plane) -> float:
 
 def only(*names: str) -> TwinSettings:
     """Instrument without errors but for fields such as ``leakage``, which are real."""
-    return TwinSettings.ideal(**{name: getattr(TwinSettings(), name) for name in names})
+    return TwinSettings.ideal(**{name: getattr(REAL, name) for name in names})
 
 
 def simulated(

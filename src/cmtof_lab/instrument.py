@@ -286,21 +286,17 @@ class SimulatedInstrument:
             phase = phase + number * settings.phase_offset
             size = amplitude(settings, one.power, one.frequency) if one.on else 0.0
             made.append(size * np.exp(-1j * phase))
-        if not panel.clock_on:  # what leaks at another frequency averages out
-            return made
         first, second = made
         leak = settings.leakage * np.exp(-1j * settings.leakage_phase)
         return [first + leak * second, second + leak * first]
 
     def _waveforms(self, panel: Panel, edges: Numbers) -> list[Complex]:
         """Fourier coefficients (S, K + 1) of both modules behind edges (S,)."""
-        first, second = self._drives(panel, edges)
-        modules = [
-            (panel.emission, panel.plate_emission, first),
-            (panel.detection, panel.plate_detection, second),
-        ]
+        knobs = panel.emission, panel.detection
+        plates = panel.plate_emission, panel.plate_detection
+        drives = self._drives(panel, edges)
         found = []
-        for one, angle, phasor in modules:
+        for one, angle, phasor in zip(knobs, plates, drives, strict=True):
             module = replace(
                 self.modulator, half_wave_angle=angle, frequency=one.frequency
             )

@@ -149,7 +149,9 @@ class Interferometer(Ranger):
         """Factor of the field at the stops: a mirror has none."""
         if not self.settings.speckle or target.mirrored:
             return np.ones(stops.size)
-        root = _gaussian_root(stops / self.speckle_length)
+        # circular, of mean square 1, with the correlation exp(-d^2)
+        apart = (stops[:, None] - stops) / self.speckle_length
+        root = root_of(np.exp(-(apart**2)) / 2)
         return root @ circular_normals(rng, stops.size)
 
     def _way(
@@ -213,9 +215,3 @@ def _carried(normals: NDArray, exponent: complex) -> NDArray:
     fresh = np.sqrt(1 - abs(keep) ** 2) * normals
     fresh[:1] = normals[:1]
     return lfilter([1.0], [1.0, -keep], fresh)
-
-
-def _gaussian_root(places: Array) -> Array:
-    """Root (P, P) of the correlation ``exp(-d^2)`` of a circular field of mean square 1, over 2."""
-    apart = places[:, None] - places
-    return root_of(np.exp(-(apart**2)) / 2)

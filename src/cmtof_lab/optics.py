@@ -8,7 +8,7 @@ from pandas.util import hash_array
 from scipy.special import gammaincinv
 
 from cmtof.modulator import doubled_mode_harmonics, single_mode_harmonics
-from cmtof.types import Array
+from cmtof.types import Array, Complex
 from cmtof_lab.settings import TwinSettings
 from cmtof_lab.targets import RayEnds, Target
 
@@ -141,10 +141,15 @@ def ambient(settings: TwinSettings) -> float:
     return 0.5 * settings.ambient_radiance * etendue * inward(settings)
 
 
-def emission_mean(settings: TwinSettings, mode: str) -> float:
-    """Mean transmission of an ideal emission module at the stated eta, mirror included."""
+def emission_harmonics(settings: TwinSettings, mode: str) -> Complex:
+    """Mean and first two harmonics (3,) of an ideal emission module at the stated eta."""
     law = doubled_mode_harmonics if mode == "doubled" else single_mode_harmonics
-    mean = law(settings.eta, 2)[0].real
+    return law(settings.eta, 2)
+
+
+def emission_mean(settings: TwinSettings, mode: str) -> float:
+    """Mean transmission of that module, mirror included."""
+    mean = emission_harmonics(settings, mode)[0].real
     return mean * settings.mirror_reflectance
 
 

@@ -20,11 +20,17 @@ from scipy.constants import Boltzmann, elementary_charge
 from cmtof.correlation import centred, phase_from_depth, wrapped
 from cmtof.hardware.ranging import straightened
 from cmtof.hardware.rig import MODES, SAMPLE_RATE
-from cmtof.modulator import doubled_mode_harmonics, single_mode_harmonics
 from cmtof.types import Array, Complex, Numbers
 from cmtof_lab.instrument import DRIFT_RMS, drift
 from cmtof_lab.optical_ranging import FREQUENCY
-from cmtof_lab.optics import inward, sent_power, speckle_cells, spot_radius, trace
+from cmtof_lab.optics import (
+    emission_harmonics,
+    inward,
+    sent_power,
+    speckle_cells,
+    spot_radius,
+    trace,
+)
 from cmtof_lab.settings import TwinSettings
 from cmtof_lab.sweep import (
     STAGE_ERROR,
@@ -120,8 +126,7 @@ class RfRanger(Ranger):
 
     def envelope(self, power: ArrayLike) -> Array:
         """Size of the envelope, V, of light (...), W."""
-        law = single_mode_harmonics if self.mode == "single" else doubled_mode_harmonics
-        wave = law(self.settings.eta, 2)
+        wave = emission_harmonics(self.settings, self.mode)
         depth = 2 * abs(wave[MODES[self.mode]]) / wave[0].real
         response = self.responsivity / np.hypot(
             1, FREQUENCY[self.mode] / self.bandwidth
@@ -238,9 +243,9 @@ class RfRanger(Ranger):
 
     def _fibre(self, drifted: Array) -> Array:
         """Transmission of the fibre over its mean."""
-        low = self.settings.fibre_low
-        high = self.settings.fibre_high
-        return 1 + (high - low) / (high + low) * DRIFT_RMS * drifted
+        settings = self.settings
+        swing = settings.fibre_high - settings.fibre_low
+        return 1 + swing / (2 * settings.fibre) * DRIFT_RMS * drifted
 
     def _seen(self, light: Array, place: ArrayLike, turn: Array) -> Complex:
         """Envelope, V, of light, W, from a range, m, with an error of phase, rad."""
