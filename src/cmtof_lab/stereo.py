@@ -94,14 +94,10 @@ def simulated_rig(*, baseline: float = 0.3, sensor: Sensor = SENSOR) -> StereoRi
             [0, 0, 1],
         ]
     )
-    half = baseline / 2
-    turn = np.arctan2(half, 3.0)
-    left, right = (
-        RigidTransform.from_components(
-            [s * half, 0, 0], Rotation.from_rotvec([0, -s * turn, 0])
-        )
-        for s in (-1, 1)
-    )
+    half = np.array([baseline / 2, 0, 0])
+    turn = Rotation.from_rotvec([0, np.arctan2(half[0], 3.0), 0])
+    left = RigidTransform.from_components(-half, turn)
+    right = RigidTransform.from_components(half, turn.inv())
     return StereoRig(
         np.stack([matrix] * 2),
         np.outer([1.0, 1.05], [-0.09, 0.11, 3e-4, -2e-4, 0.0]),

@@ -50,8 +50,7 @@ class Plane:
         """Trace unit rays (..., 3) from the origin."""
         normal = np.array([-np.tan(self.tilt_x), 0.0, 1.0])
         along = directions @ normal
-        with np.errstate(divide="ignore"):
-            reach = np.where(along > 0, self.distance / along, np.nan)
+        reach = self.distance / np.where(along > 0, along, np.nan)
         cosine = along / np.linalg.norm(normal)
         return RayEnds(
             reach,
@@ -90,28 +89,21 @@ class FrameTarget:
 
     def look(self, directions: Array) -> RayEnds:
         """Trace unit rays (..., 3) from the origin."""
-        forward = directions[..., 2]
-        u, v = self._pixels(directions)
+        right, down, forward = np.moveaxis(directions, -1, 0)
+        ahead = np.where(forward > 0, forward, np.nan)
+        u, v = self._pixels(right / ahead, down / ahead)
         height, width = self._inverse.shape
-        seen = (forward > 0) & (u >= 0) & (u < width)
-        seen &= (v >= 0) & (v < height)
+        seen = (u >= 0) & (u < width) & (v >= 0) & (v < height)
         u = np.where(seen, u, 0.0)
         v = np.where(seen, v, 0.0)
         nearest = v.astype(int), u.astype(int)
-        with np.errstate(divide="ignore", invalid="ignore"):
-            reach = 1 / (self._inverse_at(u, v) * forward)
-        reach = np.where(seen, reach, np.nan)
+        reach = 1 / (self._inverse_at(u, v) * np.where(seen, ahead, np.nan))
         return RayEnds(reach, self._cosine[nearest], self._reflectance[nearest])
 
-    def _pixels(self, directions: Array) -> Arrays:
-        """Columns and rows (...), px, through which rays (..., 3) pass."""
+    def _pixels(self, x: Array, y: Array) -> Arrays:
+        """Columns and rows (...), px, of directions (x, y, 1)."""
         fx, fy, cx, cy, *skew = self._camera
-        right, down, forward = np.moveaxis(directions, -1, 0)
-        with np.errstate(divide="ignore", invalid="ignore"):
-            x = right / forward
-            y = down / forward
-            u = fx * x + sum(skew) * y + cx
-        return u, fy * y + cy
+        return fx * x + sum(skew) * y + cx, fy * y + cy
 
     def _inverse_at(self, u: Array, v: Array) -> Array:
         """Inverse depth, 1/m, exact on planes; across a step that of the nearest pixel."""
