@@ -119,8 +119,12 @@ class Furnishing:
             x = size[0] * ((column + 0.5) / columns - 0.5)
             y = size[1] / 2 + seat[1] / 2 + self.kit.between(0.02, 0.25)
             x, y = place.carry(x, y if side else -y)
-            turn = place.turn + (0.0 if side else np.pi)
-            spot = Place(x, y, 0.0, turn + self.kit.between(-0.1, 0.1))
+            spot = Place(
+                x,
+                y,
+                0.0,
+                place.turn + (0.0 if side else np.pi) + self.kit.between(-0.1, 0.1),
+            )
             area = Rectangle.about(spot[:2], turned_size(*seat[:2], spot.turn))
             # a seat may stand where its table keeps the floor clear
             if self._vacancy.fits(area, seat[2], area, self.shell.keep):

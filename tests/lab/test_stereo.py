@@ -97,16 +97,19 @@ def test_boards_calibrate_each_camera_of_the_rig(rng):
 
 
 def test_spots_locate_the_scanner(rng):
+    left, right = RIG.poses
     rig = replace(
         RIG,
-        poses=(RIG.poses[0] * RIG.poses[0].inv(), RIG.poses[1] * RIG.poses[0].inv()),
+        poses=(
+            left * left.inv(),
+            right * left.inv(),
+        ),
     )
     beams = points_from_depth(planar(1.5 + 0.01 * np.arange(40)), CAMERA)
     pixels = RIG.project(beams) + 0.1 * rng.standard_normal((2, *SHAPE, 2))
     pixels[:, ::3] = np.nan
-    assert_allclose(
-        stereo.locate_scanner(rig, pixels, 3.7 * beams).centres, RIG.centres, atol=1e-3
-    )
+    found = stereo.locate_scanner(rig, pixels, 3.7 * beams)
+    assert_allclose(found.centres, RIG.centres, atol=1e-3)
 
 
 def windows(rng, brightness, sigma, count=1500, shift=0.5):

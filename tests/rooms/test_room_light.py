@@ -24,7 +24,13 @@ def floor(albedo=0.5, z=-0.5, **more):
 
 def point_light(power):
     """A light of no size 2 m above the floor."""
-    return Light((0, 0, 2), (0, 0, 0), (0, 0, 0), (0, 0, 0), power)
+    return Light(
+        (0, 0, 2),
+        (0, 0, 0),
+        (0, 0, 0),
+        (0, 0, 0),
+        power,
+    )
 
 
 def up(points):
