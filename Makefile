@@ -89,8 +89,7 @@ fuzz: setup ## Five thousand hostile inputs for the command line
 size: setup ## Volume and density of every part beside its budget (V=-v names what is over)
 	@$(BIN)/python -m cmtof_book.size $(V)
 
-lab: setup ## Open the notebooks in JupyterLab, each as its newer half is
-	@$(BIN)/python -m cmtof_book.pairs --newer
+lab: setup ## Open the notebooks in JupyterLab
 	@$(BIN)/jupyter lab --ServerApp.root_dir=. $(if $(filter 0,$(shell id -u)),--allow-root) notebooks
 
 lint: setup ## Check style, types, notebook pairs and words
@@ -108,7 +107,7 @@ reference: setup ## Store the numbers of the ci profile as the ones that tests c
 	@$(call build,ci)
 	@$(BIN)/python -m cmtof_book.reference
 
-bench: setup ## Time the hot loops against what bounds them
+bench: setup ## Measure seconds and memory of every method, as chapter 10 shows them
 	@$(BIN)/python -m cmtof_book.benchmarks
 
 lock: setup ## Solve for new versions of every package into environment.lock

@@ -1,23 +1,22 @@
 """Volume and density of the code beside their budgets; exit code 1 where a part exceeds its limit.
 
-    python -m cmtof_book.size [-v] [--accept]
+    python -m cmtof_book.size [-v]
 
 Volume counts the nodes of the syntax tree, density those nodes a code line: packing lines gains
 nothing. A code line is one that is not blank, comment or docstring. ``-v`` names the functions and
-modules that are over the budget. A limit is the budget, or the last accepted value where that is
-still larger; ``--accept`` stores the values of today as limits.
+modules that are over the budget. A limit is the budget, or what ``configs/size.json`` allows until
+the budget is reached.
 """
 
 import ast
-import json
 import sys
 from collections import Counter
-from itertools import chain
+from collections.abc import Iterator
 from pathlib import Path
 
 from cmtof_book import ROOT
+from cmtof_book.provenance import read_json
 
-ACCEPTED = ROOT / "configs" / "size.json"
 # Nodes that a part may have.
 VOLUME = {
     "src/cmtof": 80_000,
@@ -40,7 +39,6 @@ LIMITS = {
     "long functions": 60,
 }
 
-Function = ast.FunctionDef | ast.AsyncFunctionDef
 Rows = dict[str, tuple[float, float]]  # a value and its budget, by name
 Finding = tuple[str, float, str]  # name of a limit, value, and where
 
@@ -50,10 +48,8 @@ def code_lines(source: str, nodes: list[ast.AST]) -> int:
     starts = [line.strip()[:1] for line in source.splitlines()]
     used = {number for number, start in enumerate(starts, 1) if start not in ("", "#")}
     for node in nodes:
-        if isinstance(node, ast.Module | ast.ClassDef | Function) and ast.get_docstring(
-            node
-        ):
-            used.difference_update(lines_of(node.body[0]))
+        if isinstance(node, ast.Expr) and isinstance(node.value, ast.Constant):
+            used -= {*lines_of(node)} if isinstance(node.value.value, str) else set()
     return len(used)
 
 
@@ -62,20 +58,16 @@ def lines_of(statement: ast.stmt) -> range:
     return range(statement.lineno, (statement.end_lineno or 0) + 1)
 
 
-def parameters(function: Function) -> list[str]:
-    """Parameters of a function."""
+def sizes_of(function: ast.FunctionDef, place: str) -> Iterator[Finding]:
+    """What has a limit in a function."""
     given = function.args
-    return [one.arg for one in given.posonlyargs + given.args + given.kwonlyargs]
-
-
-def bound_names(function: Function) -> set[str]:
-    """Names that a function binds, those of its parameters included."""
-    stored = {
-        node.id
-        for node in ast.walk(function)
-        if isinstance(node, ast.Name) and isinstance(node.ctx, ast.Store)
-    }
-    return stored.union(parameters(function))
+    names = {one.arg for one in given.posonlyargs + given.args + given.kwonlyargs}
+    yield "functions of many parameters", len(names), place
+    for node in ast.walk(function):
+        if isinstance(node, ast.Name) and isinstance(node.ctx, ast.Store):
+            names.add(node.id)
+    yield "functions of many names", len(names), place
+    yield "long functions", len(lines_of(function)), place
 
 
 def measured(path: Path) -> tuple[Counter, list[Finding]]:
@@ -84,30 +76,23 @@ def measured(path: Path) -> tuple[Counter, list[Finding]]:
     nodes = [*ast.walk(ast.parse(source))]
     name = str(path.relative_to(ROOT))
     counts = Counter(nodes=len(nodes), code=code_lines(source, nodes))
-    density = counts["nodes"] / max(counts["code"], 1)
-    found: list[Finding] = [("dense modules", density, name)]
+    found: list[Finding] = [
+        ("dense modules", counts["nodes"] / max(counts["code"], 1), name)
+    ]
     if not name.startswith("notebooks"):
         found.append(("long modules", len(source.splitlines()), name))
     for node in nodes:
         if isinstance(node, ast.Assign):
             kinds = {type(node.value), type(node.targets[0])}
             counts.update(assigned=1, packed=kinds == {ast.Tuple})
-        if isinstance(node, Function):
-            place = f"{name}:{node.lineno} {node.name}"
-            names = len(bound_names(node))
-            found += [
-                ("long functions", len(lines_of(node)), place),
-                ("functions of many names", names, place),
-                ("functions of many parameters", len(parameters(node)), place),
-            ]
+        if isinstance(node, ast.FunctionDef):
+            found += sizes_of(node, f"{name}:{node.lineno} {node.name}")
     return counts, found
 
 
 def page_lines() -> int:
     """Lines of JavaScript, CSS and templates of the book."""
-    files = chain(
-        (ROOT / "book").rglob("*.*"), (ROOT / "src" / "cmtof_book").rglob("*.jinja")
-    )
+    files = [*ROOT.glob("book/**/*.*"), *ROOT.glob("src/cmtof_book/templates/*")]
     kinds = {".css", ".html", ".jinja", ".js"}
     return sum(path.read_bytes().count(b"\n") for path in files if path.suffix in kinds)
 
@@ -116,42 +101,37 @@ def everything() -> tuple[Rows, list[Finding]]:
     """All rows of the table, and what is over its limit."""
     rows: Rows = {}
     over: list[Finding] = []
-    for part in VOLUME:
+    for part, budget in VOLUME.items():
         total = Counter()
         for path in sorted((ROOT / part).rglob("*.py")):
             counts, found = measured(path)
             total.update(counts)
             over += [one for one in found if one[1] > LIMITS[one[0]]]
-        density = round(total["nodes"] / total["code"], 1)
-        packed = round(100 * total["packed"] / total["assigned"], 1)
-        rows[f"{part} volume"] = total["nodes"], VOLUME[part]
-        rows[f"{part} density"] = density, DENSITY
-        rows[f"{part} packed %"] = packed, PACKED
+        density = total["nodes"] / total["code"]
+        packed = 100 * total["packed"] / total["assigned"]
+        rows[f"{part} volume"] = total["nodes"], budget
+        rows[f"{part} density"] = round(density, 1), DENSITY
+        rows[f"{part} packed %"] = round(packed, 1), PACKED
     rows["book pages lines"] = page_lines(), PAGES
-    counted = Counter(limit for limit, *_ in over)
-    return rows | {name: (count, 0) for name, count in counted.items()}, over
+    for limit, count in Counter(limit for limit, *_ in over).items():
+        rows[limit] = count, 0
+    return rows, over
 
 
-def main(options: list[str]) -> int:
+def main(verbose: bool) -> int:
     """Print the table; return the exit code."""
-    rows, found = everything()
-    if "--accept" in options:
-        accepted = {
-            name: value for name, (value, budget) in rows.items() if value > budget
-        }
-        ACCEPTED.write_text(json.dumps(accepted, indent=1) + "\n", "utf-8")
-    accepted = json.loads(ACCEPTED.read_text("utf-8"))
+    rows, over = everything()
+    allowed = read_json(ROOT / "configs" / "size.json")
     failed = False
     for name, (value, budget) in rows.items():
-        over = value > max(budget, accepted.get(name, 0))
-        failed |= over
-        note = "OVER" if over else "to do" * (value > budget)
+        exceeds = value > max(budget, allowed.get(name, 0))
+        failed |= exceeds
+        note = "OVER" if exceeds else "to do" * (value > budget)
         print(f"{name:32} {value:9,g} of {budget:7,g}  {note}".rstrip())
-    if "-v" in options:
-        for limit, value, place in sorted(found, reverse=True):
-            print(f"{limit}: {value:.3g}  {place}")
+    for limit, value, place in sorted(over, reverse=True) if verbose else ():
+        print(f"{limit}: {value:.3g}  {place}")
     return int(failed)
 
 
 if __name__ == "__main__":
-    sys.exit(main(sys.argv[1:]))
+    sys.exit(main("-v" in sys.argv))
