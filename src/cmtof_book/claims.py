@@ -12,9 +12,10 @@ from cmtof_book import Values, pages
 from cmtof_book.paper import estimate_text, result_text
 from cmtof_book.record import TEXT, Record
 from cmtof_book.scoreboard import Scores
-from cmtof_book.verdict import Estimate, Outcome, Score, sentence, worst
+from cmtof_book.verdict import Estimate, Score, sentence, worst
 
 TOKEN = re.compile(r"\{([^{}|]+)(?:\|([^{}]+))?\}")
+UNIT = re.compile(r"(?<=\d) (?=[%µ]|[GM]?Hz|rad|points|[fkmp]?[ms]\b)")
 
 
 class Claim(NamedTuple):
@@ -25,9 +26,9 @@ class Claim(NamedTuple):
     scores: list[Score]
 
     @property
-    def outcome(self) -> Outcome:
+    def outcome(self) -> str:
         """The worst verdict of its numbers."""
-        return worst(self.scores).verdict
+        return worst(self.scores)
 
     @property
     def why(self) -> str:
@@ -42,31 +43,29 @@ class Claim(NamedTuple):
         lines = self.left_open(behind)
         if told:
             lines.append(f"Different or not stated: {told}.")
-        return " ".join(lines) or behind[0].number.dependencies()[0].ours
+        return " ".join(lines) or behind[0].number.depends[0].ours
 
     def left_open(self, behind: Iterable[Score]) -> list[str]:
         """What our numbers leave undecided, with the names of those where there are several."""
         names: dict[str, list[str]] = {}
         for one in behind:
-            names.setdefault(one.undecided, []).append(
-                self.about["keys"][one.number.key]
-            )
+            called = self.about["keys"][one.number.key]
+            names.setdefault(one.undecided, []).append(called)
+        names.pop("", None)
         return [
             sentence(f"{' and '.join(called)}: {text}".removeprefix(": "))
             for text, called in names.items()
-            if text
         ]
 
     @property
     def dependencies(self) -> dict[str, bool]:
         """What we have of each thing on which its numbers depend, and whether it is the paper's."""
         held: dict[str, tuple[str, bool]] = {}
-        computed_first = sorted(self.scores, key=lambda one: not one.chapter)
-        for score in computed_first:
-            for one in score.number.dependencies():
-                held.setdefault(one.name, (one.text(score), one.is_papers(score)))
+        for score in sorted(self.scores, key=lambda one: not one.chapter):
+            for one in score.number.depends:
+                held.setdefault(one.name, (score.ours(one), score.has_papers(one)))
         if held.get("sizes", ("", False))[1]:
-            del held["sizes"]
+            del held["sizes"]  # the book's own
         return dict(held.values())
 
 
@@ -84,7 +83,7 @@ def claims(scores: Scores) -> list[Claim]:
 
 
 class Numbers:
-    """All numbers of a build: our results, those of its figures, and those that its pages tell."""
+    """All numbers of a build: our results, and those that its figures and its pages tell."""
 
     def __init__(self, scores: Scores, records: Iterable[Record]) -> None:
         self.scores = scores
@@ -93,9 +92,7 @@ class Numbers:
     def fill(self, text: str) -> str:
         """Put numbers into a text of ``claims.yml``."""
         filled = TOKEN.sub(lambda token: self.number(token[1], token[2] or ""), text)
-        return re.sub(
-            r"(?<=\d) (?=[%µ]|[GM]?Hz|rad|points|[fkmp]?[ms]\b)", "\u00a0", filled
-        )
+        return UNIT.sub("\u00a0", filled)
 
     def number(self, name: str, style: str) -> str:
         """One number as text: by the key of a published one, of a figure, or of a page.
@@ -104,25 +101,20 @@ class Numbers:
         interval.
         """
         key, _, case = name.partition("@")
-        if key in self.scores:
-            return self._result(self.scores[key], case, alone=style == "alone")
+        if score := self.scores.get(key):
+            if not score.cases:
+                return "(not computed)"
+            if not case:
+                return result_text(score, 3)
+            one = [*score.cases.values()][int(case)]
+            shown = Estimate(*[one.value] * 3) if style == "alone" else one
+            return estimate_text(shown, score.number.unit, 3)
         figure, *path = name.replace(":", f"/{TEXT}.").split(".")
         held: Any = self.records[figure].numbers
         for step in path:
             held = held[int(step) if isinstance(held, list) else step]
             held = held["value"] if isinstance(held, dict) and "kind" in held else held
         return f"{held:{style}}".replace("%", " %")
-
-    def _result(self, score: Score, case: str, *, alone: bool) -> str:
-        """Our result beside a published number, or one case of it."""
-        if not score.cases:
-            return "(not computed)"
-        if not case:
-            return result_text(score, 3)
-        one = list(score.cases.values())[int(case)]
-        return estimate_text(
-            Estimate.of(one.value) if alone else one, score.number.unit, 3
-        )
 
 
 def texts(numbers: Numbers) -> Texts:
@@ -131,11 +123,10 @@ def texts(numbers: Numbers) -> Texts:
     The table has each claim, our answer, the verdict and why. A claim's figure is that of a build.
     """
     every = claims(numbers.scores)
+    found = _document()["findings"]
     made = {
         "claims": pages.page("claims", claims=every, fill=numbers.fill),
-        "findings": pages.page(
-            "findings", findings=_document()["findings"], fill=numbers.fill
-        ),
+        "findings": pages.page("findings", findings=found, fill=numbers.fill),
     }
     for claim in every:
         drawn = numbers.records["{chapter}/{figure}".format(**claim.about)].content

@@ -5,7 +5,7 @@ from typing import Any
 
 from jinja2 import Environment, PackageLoader, StrictUndefined
 
-from cmtof_book.paper import result_text
+from cmtof_book.paper import published_text, result_text
 
 TEMPLATES = Environment(
     loader=PackageLoader("cmtof_book"),
@@ -14,7 +14,7 @@ TEMPLATES = Environment(
     lstrip_blocks=True,
     keep_trailing_newline=True,
 )
-TEMPLATES.filters |= {"ours": result_text, "quoted": escape}
+TEMPLATES.filters |= {"ours": result_text, "published": published_text, "quoted": escape}
 
 
 def page(template: str, **values: Any) -> str:

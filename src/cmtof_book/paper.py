@@ -7,71 +7,32 @@ A notebook calls `check` for each number of ``paper.yml`` that it touches; the v
 import math
 from collections import Counter
 from collections.abc import Mapping
-from difflib import get_close_matches
 from functools import cache
 from pathlib import Path
-from typing import Any, Literal
+from typing import Any
 
 import numpy as np
 import yaml
 from matplotlib.ticker import EngFormatter
-from pydantic.dataclasses import dataclass
 
 from cmtof_book import Values, notes, provenance, record
 from cmtof_book.compared import Compared
-from cmtof_book.verdict import Dependency, Estimate, Score, Value
+from cmtof_book.verdict import Dependency, Estimate, Published, Score, Value
 
 _SIGNS = {"eq": "", "approx": "≈ ", "lt": "< ", "gt": "> "}
-
-
-@dataclass(frozen=True, kw_only=True)
-class Published:
-    """One number of the paper, as ``paper.yml`` explains it; SI units, percentages as fractions."""
-
-    key: str
-    value: int | float
-    unit: str
-    where: str
-    what: str
-    relation: Literal["eq", "approx", "lt", "gt"]
-    tolerance: float
-    kind: Literal["result", "setting"]
-    depends: tuple[str, ...] = ()
-    untested: str = ""
-    changed: str = ""
-    note: str = ""
-    erratum: int | None = None
-
-    def text(self) -> str:
-        """Return the number with the sign of its relation and its tolerance."""
-        text = _SIGNS[self.relation] + quantity_text(self.value, self.unit)
-        allowed = quantity_text(self.tolerance, self.unit, 2)
-        return f"{text} ± {allowed}" if self.tolerance else text
-
-    def dependencies(self) -> list[Dependency]:
-        """What the number depends on."""
-        return [dependencies()[name] for name in self.depends]
-
-
-@cache
-def _document() -> Values:
-    return yaml.safe_load(Path(__file__).with_name("paper.yml").read_text("utf-8"))
-
-
-@cache
-def dependencies() -> dict[str, Dependency]:
-    """What numbers depend on, by name."""
-    held = _document()["_dependencies"]
-    return {name: Dependency(name, **fields) for name, fields in held.items()}
 
 
 @cache
 def published_numbers() -> dict[str, Published]:
     """Every published number by its key, in the order of the paper; a row of a table has some."""
+    text = Path(__file__).with_name("paper.yml").read_text("utf-8")
+    document = yaml.safe_load(text)
+    known = document.pop("_dependencies")
     numbers = {}
-    for name, held in _document().items():
+    for name, held in document.items():
         if name[0] == "_":
             continue
+        depends = [Dependency(one, **known[one]) for one in held.get("depends", ())]
         columns = held.get("columns") or {"": ""}
         values = np.atleast_1d(held["value"]).tolist()
         for (column, title), value in zip(columns.items(), values, strict=True):
@@ -80,17 +41,13 @@ def published_numbers() -> dict[str, Published]:
             key = f"{name}.{column}".rstrip(".")
             what = f"{held['what']}, {title}".rstrip(", ")
             own = {"key": key, "value": value, "what": what, "tolerance": min(allowed)}
-            numbers[key] = Published(**held | own)
+            numbers[key] = Published(**held | own | {"depends": depends})
     return numbers
 
 
 def published(key: str) -> Published:
-    """One published number; ValueError, which names the closest key, if there is none."""
-    numbers = published_numbers()
-    if key not in numbers:
-        (closest,) = get_close_matches(key, numbers, n=1, cutoff=0.0)
-        raise ValueError(f"Expected a key of paper.yml, got {key!r}. Use {closest!r}.")
-    return numbers[key]
+    """One published number."""
+    return published_numbers()[key]
 
 
 def check(
@@ -124,30 +81,37 @@ def table() -> None:
     """Show what a chapter has checked so far: the paper's number, ours, the verdict."""
     rows = []
     for key, held in record.read(record.PAPER).items():
-        number = published(key)
-        ours = result_text(Score(number, held["cases"]))
-        what = f"{number.where}, {number.what}"
-        rows.append([what, number.text(), ours, held["verdict"]])
+        score = Score(published(key), held["cases"])
+        what = f"{score.number.where}, {score.number.what}"
+        paper = published_text(score.number)
+        rows.append([what, paper, result_text(score), held["verdict"]])
     verdicts = Counter(row[-1] for row in rows)
     said = ", ".join(f"{count} {name}" for name, count in verdicts.most_common())
     fold = f"{len(rows)} numbers: {said}" if len(rows) > 12 else ""
     notes.table(["number", "paper", "here", "verdict"], rows, fold=fold)
 
 
+def published_text(number: Published) -> str:
+    """A published number with the sign of its relation and its tolerance."""
+    text = _SIGNS[number.relation] + quantity_text(number.value, number.unit)
+    allowed = quantity_text(number.tolerance, number.unit, 2)
+    return f"{text} ± {allowed}" if number.tolerance else text
+
+
 def result_text(score: Score, digits: int = 4) -> str:
     """Our numbers with their intervals, each with its case; so many digits where exact."""
     unit = score.number.unit
     texts = [
-        f"{estimate_text(one, unit, digits)} {case}"
+        f"{estimate_text(one, unit, digits)} {case}".strip()
         for case, one in score.cases.items()
     ]
-    return "; ".join(map(str.strip, texts)) or "not finite"
+    return "; ".join(texts) or "not finite"
 
 
 def estimate_text(one: Estimate, unit: str, digits: int) -> str:
     """A number with its interval, where it has one.
 
-    >>> estimate_text(Estimate.of((0.435, 0.345, 0.525)), "fraction", 3)
+    >>> estimate_text(Estimate(0.435, 0.345, 0.525), "fraction", 3)
     '43.5 % (34.5–52.5 %)'
     """
     if one.low == one.high:
@@ -168,13 +132,8 @@ def quantity_text(value: float, unit: str, digits: int = 4) -> str:
         return "not finite"
     if unit in {"m", "s", "Hz", "W"}:
         return EngFormatter(unit)(float(f"{value:.{digits}g}"))
-    if unit in ("fraction", "points"):
-        return f"{_digits(100 * value, digits)} {'%' if unit == 'fraction' else unit}"
-    return _digits(value, digits) + ("" if unit == "1" else f" {unit}")
-
-
-def _digits(value: float, count: int) -> str:
-    """So many significant digits of a number, without an exponent."""
-    return np.format_float_positional(
-        value, precision=count, fractional=False, trim="-"
+    share = unit in ("fraction", "points")
+    text = np.format_float_positional(
+        100 * value if share else value, precision=digits, fractional=False, trim="-"
     )
+    return f"{text} {'%' if unit == 'fraction' else unit}".removesuffix(" 1")

@@ -1,8 +1,8 @@
 """The scoreboard page of the book: the published numbers, ours, and the verdicts.
 
 Written from the records of each run (`cmtof_book.record`) and from the equations of the chapters.
-Where several runs checked one number, the worst verdict is shown. A picture sets our results over
-the paper's, a line for each number. It is HTML, so that it reads on a phone and in the dark; the
+Where several chapters checked one number, the first is shown. A picture sets our results over the
+paper's, a line for each number. It is HTML, so that it reads on a phone and in the dark; the
 script of the book hides the lines that a reader does not want.
 """
 
@@ -13,12 +13,11 @@ from collections.abc import Iterable, Iterator
 from itertools import groupby
 from pathlib import Path
 from string import ascii_lowercase
-from typing import get_args
 
 from cmtof_book import Values, pages
-from cmtof_book.paper import published, published_numbers
+from cmtof_book.paper import published_numbers
 from cmtof_book.record import PAPER, Record
-from cmtof_book.verdict import WORST_FIRST, Outcome, Score, worst
+from cmtof_book.verdict import RANK, Score
 
 Scores = dict[str, Score]  # all published numbers with our results, by key
 
@@ -31,21 +30,20 @@ DRAWN = re.compile(r"^(fig(?=\d+_)|table)(\d+)[_.]", re.MULTILINE)
 NUMBERED = re.compile(r"\\tag\{(\d+)\}")
 
 SPAN = 30  # greatest ratio that is drawn, and its inverse
-SHOWN: tuple[Outcome, ...] = ("reproduced", "contradicted", "open")
+SHOWN = ("reproduced", "contradicted", "open")
 
 
 def scores_in(records: Iterable[Record]) -> Scores:
-    """Every published number with the result of the runs, that of the worst verdict of several."""
-    found: defaultdict[str, list[Score]] = defaultdict(list)
+    """Every published number with the result of the first chapter that checked it."""
+    numbers = published_numbers()
+    found: Scores = {}
     for record in records:
         for key, held in record.numbers.items() if record.name == PAPER else ():
             about = {"crops": held["crops"], "chapter": record.chapter}
-            about["profile"] = record.content["provenance"]["profile"]
-            found[key].append(Score.of(published(key), held["cases"], **about))
-    return {
-        key: worst(found[key] or [Score(number)])
-        for key, number in published_numbers().items()
-    }
+            profile = record.content["provenance"]["profile"]
+            score = Score(numbers[key], held["cases"], profile, **about)
+            found.setdefault(key, score)
+    return {key: found.get(key) or Score(number) for key, number in numbers.items()}
 
 
 def page(
@@ -58,16 +56,16 @@ def page(
         picture=picture(scores),
         sections=sections(scores),
         coverage=coverage(records, notebooks),
-        worst_first=WORST_FIRST,
+        worst_first=sorted(RANK, key=RANK.__getitem__),
         tied=lambda text: re.sub(r" ([<≥]) (?=\d)", "\u00a0\\1\u00a0", text),
         breakable=lambda key: re.sub(r"(\.|_(?!\d))", r"\1<wbr>", key),
     )
 
 
-def counts(scores: Iterable[Score]) -> dict[Outcome, int]:
+def counts(scores: Iterable[Score]) -> dict[str, int]:
     """How many numbers have each verdict."""
     said = [score.verdict for score in scores]
-    return {name: said.count(name) for name in get_args(Outcome)}
+    return {name: said.count(name) for name in RANK}
 
 
 def accepted(scores: Scores) -> Values:
@@ -85,11 +83,9 @@ def accepted(scores: Scores) -> Values:
 def sections(scores: Scores) -> Iterator[Values]:
     """Tables, figures and sections of the paper: title, numbers, and the notes below them."""
     for kind, title in GROUPS.items():
-        chosen = [one for one in scores.values() if one.number.key.startswith(kind)]
-        for group, members in groupby(
-            chosen, lambda one: one.number.key.partition(".")[0]
-        ):
-            numbers = list(members)
+        chosen = [key for key in scores if key.startswith(kind)]
+        for group, keys in groupby(chosen, lambda key: key.partition(".")[0]):
+            numbers = [scores[key] for key in keys]
             texts = filter(None, dict.fromkeys(map(note, numbers)))
             notes = dict(zip(texts, ascii_lowercase, strict=False))
             yield {
@@ -109,10 +105,9 @@ def note(score: Score) -> str:
 
 def picture(scores: Scores) -> str:
     """Return the picture of our results over the paper's as MyST Markdown."""
-    drawn = [
-        one for one in scores.values() if one.verdict in SHOWN and one.number.value
-    ]
-    kinds = {name: count for name, count in counts(drawn).items() if name in SHOWN}
+    results = [one for one in scores.values() if one.number.value]
+    drawn = [one for one in results if one.verdict in SHOWN]
+    kinds = {name: counts(drawn)[name] for name in SHOWN}
     return pages.page("ratios", drawn=drawn, kinds=kinds, span=SPAN, across=_across)
 
 

@@ -5,33 +5,26 @@ differs and everything that it depends on is the paper's; *open* otherwise. A se
 or *changed*. What nobody can compare is *untested*.
 """
 
-from __future__ import annotations
-
 from collections.abc import Iterable, Mapping, Sequence
-from dataclasses import dataclass, field
-from typing import TYPE_CHECKING, Any, Literal, NamedTuple
+from dataclasses import field
+from typing import Any, Literal, NamedTuple
 
 import numpy as np
-
-if TYPE_CHECKING:
-    from cmtof_book.paper import Published
+from pydantic.dataclasses import dataclass
 
 # on which the paper's networks were trained: 1000 epochs of 500 (Sec. 8.1)
 CROPS = 500_000
 WIDEST = 3  # an interval over so great a factor, or so many tolerances, decides nothing
 
-Outcome = Literal[
-    "reproduced", "contradicted", "open", "untested", "as stated", "changed"
-]
-WORST_FIRST: tuple[Outcome, ...] = (
-    "contradicted",
-    "open",
-    "untested",
-    "changed",
-    "as stated",
-    "reproduced",
-)
-Place = Literal["inside", "outside", "undecided"]
+# Verdicts, and their rank from the worst on.
+RANK = {
+    "reproduced": 5,
+    "contradicted": 0,
+    "open": 1,
+    "untested": 2,
+    "as stated": 4,
+    "changed": 3,
+}
 BESIDE = {
     "inside": "ours agrees",
     "outside": "ours differs",
@@ -47,16 +40,6 @@ class Estimate(NamedTuple):
     low: float
     high: float
 
-    @classmethod
-    def of(cls, given: Value) -> Estimate:
-        """From a number, or from a number and the ends of its interval."""
-        return cls(*np.broadcast_to(np.asarray(given, float), 3).tolist())
-
-    def is_narrow(self, tolerance: float) -> bool:
-        """Whether the interval is narrow enough to have missed the paper's number."""
-        width = self.high - self.low
-        return width <= min(WIDEST * tolerance, (WIDEST - 1) * abs(self.low))
-
 
 @dataclass(frozen=True)
 class Dependency:
@@ -68,28 +51,37 @@ class Dependency:
     short: str = ""
     decides: str = ""
 
-    def is_papers(self, score: Score) -> bool:
-        """Whether our number was made with the paper's."""
-        if self.name == "training":
-            return score.crops >= CROPS
-        return self.same if isinstance(self.same, bool) else score.profile in self.same
 
-    def text(self, score: Score) -> str:
-        """What we have."""
-        return self.ours.format(crops=score.crops)
+@dataclass(frozen=True, kw_only=True)
+class Published:
+    """One number of the paper, as ``paper.yml`` explains it; SI units, percentages as fractions."""
 
+    key: str
+    value: int | float
+    unit: str
+    where: str
+    what: str
+    relation: Literal["eq", "approx", "lt", "gt"]
+    tolerance: float
+    kind: Literal["result", "setting"]
+    depends: tuple[Dependency, ...] = ()
+    untested: str = ""
+    changed: str = ""
+    note: str = ""
+    erratum: int | None = None
 
-def place_of(number: Published, ours: Estimate) -> Place:
-    """Whether the paper's number agrees with an estimate, disagrees, or neither can be said."""
-    # the slack keeps a value on the very edge from failing by the last bit of a float
-    slack = number.tolerance + 4e-16 * (abs(ours.value) + abs(number.value))
-    if sign := {"lt": 1, "gt": -1}.get(number.relation):
-        met = [sign * (end - number.value) < number.tolerance for end in ours[1:]]
-        return "inside" if all(met) else "undecided" if any(met) else "outside"
-    if max(ours.low - number.value, number.value - ours.high) > slack:
-        return "outside"
-    near = abs(ours.value - number.value) <= slack
-    return "inside" if near and ours.is_narrow(number.tolerance) else "undecided"
+    def place_of(self, ours: Estimate) -> str:
+        """Whether the number agrees with an estimate, disagrees, or neither can be said."""
+        if sign := {"lt": 1, "gt": -1}.get(self.relation):
+            met = [sign * (end - self.value) < self.tolerance for end in ours[1:]]
+            return "inside" if all(met) else "undecided" if any(met) else "outside"
+        # the slack keeps a value on the very edge from failing by the last bit of a float
+        slack = self.tolerance + 4e-16 * (abs(ours.value) + abs(self.value))
+        if max(ours.low - self.value, self.value - ours.high) > slack:
+            return "outside"
+        widest = min(WIDEST * self.tolerance, (WIDEST - 1) * abs(ours.low))
+        near = abs(ours.value - self.value) <= slack
+        return "inside" if near and ours.high - ours.low <= widest else "undecided"
 
 
 @dataclass(frozen=True)
@@ -105,38 +97,50 @@ class Score:
     @classmethod
     def of(
         cls, number: Published, value: Value | Mapping[str, Value], **about: Any
-    ) -> Score:
+    ) -> "Score":
         """From one number of ours, or several by their case; what is not finite is left out."""
         given = value if isinstance(value, Mapping) else {"": value}
-        cases = {case: Estimate.of(one) for case, one in given.items()}
+        cases = {case: np.broadcast_to(one, 3).tolist() for case, one in given.items()}
         finite = {case: one for case, one in cases.items() if np.isfinite(one).all()}
         return cls(number, finite, **about)
 
     @property
-    def places(self) -> dict[Place, list[str]]:
+    def places(self) -> dict[str, list[str]]:
         """Our cases by their place beside the paper's number."""
-        places: dict[Place, list[str]] = {}
+        places: dict[str, list[str]] = {}
         for case, one in self.cases.items():
-            places.setdefault(place_of(self.number, one), []).append(case)
+            places.setdefault(self.number.place_of(one), []).append(case)
         return places
+
+    def has_papers(self, one: Dependency) -> bool:
+        """Whether our number was made with the paper's."""
+        if one.name == "training":
+            return self.crops >= CROPS
+        return one.same if isinstance(one.same, bool) else self.profile in one.same
 
     @property
     def differing(self) -> list[Dependency]:
         """What the number depends on that is not the paper's."""
-        return [one for one in self.number.dependencies() if not one.is_papers(self)]
+        return [one for one in self.number.depends if not self.has_papers(one)]
+
+    def ours(self, one: Dependency) -> str:
+        """What we have of something."""
+        return one.ours.format(crops=self.crops)
 
     @property
-    def small(self) -> list[Dependency]:
-        """The sizes of a quick build, which decide nothing."""
-        return [one for one in self.differing if one.name == "sizes"]
+    def untested(self) -> str:
+        """Why nothing can be said, if so."""
+        small = [one.ours for one in self.differing if one.name == "sizes"]
+        missing = [] if self.cases else ["No chapter computes it."]
+        return next(filter(None, [self.number.untested, *missing, *small]), "")
 
     @property
-    def verdict(self) -> Outcome:
+    def verdict(self) -> str:
         """The verdict; every case counts."""
         found = set(self.places)
         if self.number.kind == "setting" and found:
             return "as stated" if found == {"inside"} else "changed"
-        if self.number.untested or self.small or not found:
+        if self.untested:
             return "untested"
         if found == {"inside"}:
             return "reproduced"
@@ -154,12 +158,9 @@ class Score:
     @property
     def reason(self) -> str:
         """What stands behind the verdict: what is undecided, and what is not the paper's."""
-        if self.number.untested or not self.places:
-            return self.number.untested or "No chapter computes it."
-        if self.number.kind == "setting":
-            return self.number.changed if self.verdict == "changed" else ""
-        told = [] if self.small else [sentence(self.undecided)]
-        told += [one.text(self) for one in self.small or self.differing]
+        if self.untested or self.verdict == "changed":
+            return self.untested or self.number.changed
+        told = [sentence(self.undecided), *map(self.ours, self.differing)]
         return " ".join(filter(None, told))
 
     @property
@@ -171,9 +172,9 @@ class Score:
         return f"It would be decided by: {'; '.join(found)}."
 
 
-def worst(scores: Iterable[Score]) -> Score:
-    """The score of the worst verdict, the first of several."""
-    return min(scores, key=lambda one: WORST_FIRST.index(one.verdict))
+def worst(scores: Iterable[Score]) -> str:
+    """The worst verdict of several."""
+    return min((one.verdict for one in scores), key=RANK.__getitem__)
 
 
 def sentence(text: str) -> str:
