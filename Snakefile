@@ -15,7 +15,6 @@ configfile: f"configs/{PROFILE}.yml"
 
 
 SIZES = config["notebooks"] or {}
-graph.check_stems(SIZES, f"configs/{PROFILE}.yml")
 # a reader's own parameters, as in `make figure F=fig13 P="repeats=6"`: built apart from the book
 OWN = graph.parameters_from_text(os.environ.get("P", ""))
 BUILD = config.get("build", "build/own" if OWN else f"build/{PROFILE}")

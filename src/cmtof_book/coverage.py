@@ -7,7 +7,7 @@ from rooms of one seed, for `cmtof.estimate.SETS`, and the sets are counted on r
 uneven ones, and on scans of `cmtof_book.scanned`, in the same folder. Everything is simulated.
 """
 
-from collections.abc import Callable, Iterable, Iterator
+from collections.abc import Iterable, Iterator
 from dataclasses import replace
 from functools import partial
 from itertools import islice
@@ -28,35 +28,32 @@ from cmtof.statistics import conformal_quantile
 from cmtof.types import Array, Fields, Values
 from cmtof_book import RESULTS
 from cmtof_book.frames import SETTINGS, views
-from cmtof_book.scanned import SHOWN, Counts, kept_scan, tallies
-
-CALIBRATED, CHECKED = (301, 80), (613, 40)
-"""Seed of the rooms, and how many."""
+from cmtof_book.scanned import SHOWN, Counts, counts_of, kept_scan
 
 EVERY = 16  # pixels, of which one counts in the calibration
 
-LEVELS = {
-    f"released, σ = {noise}": {"noise": float(noise)} for noise in (300, 1200, 2000)
+# Options of the simulation.
+CONDITIONS: dict[str, Fields] = {
+    "released, σ = 300": {"noise": 300.0},
+    "released, σ = 1200": {"noise": 1200.0},
+    "released, σ = 2000": {"noise": 2000.0},
+    "full, σ = 1200": {"protocol": "full"},
 }
-CONDITIONS: dict[str, Fields] = LEVELS | {"full, σ = 1200": {"protocol": "full"}}
-"""Options of the simulation."""
-
-SOME = ("released, σ = 1200", "full, σ = 1200")
-"""Conditions of the `hybrid`."""
-
+# Whether walls have waves of 0.02 to 0.3 wraps, 8 to 50 px wide, or 0.12 wraps a pixel.
 UNEVEN = {"released, σ = 1200, waves": True, "released, σ = 1200, rough": False}
-"""Whether walls have waves of 0.02 to 0.3 wraps, 8 to 50 px wide, or 0.12 wraps a pixel."""
+SCANS = {"scans, photon": "photon", "scans, captures": "captures"}  # and their noise
+HYBRID = ("released, σ = 1200", "full, σ = 1200")  # conditions of this method
 
 
-def rooms(seed: int, count: int) -> Iterator[tuple[int, Frame]]:
-    """Numbered views of rooms, none of which is of the test set."""
-    return enumerate(islice(views(replace(SETTINGS, seed=seed), tested=False), count))
+def rooms(seed: int, count: int) -> Iterable[Frame]:
+    """Views of rooms, none of which is of the test set."""
+    return islice(views(replace(SETTINGS, seed=seed), tested=False), count)
 
 
 def calibrated() -> Values:
     """Half-widths of the sets over the odds against a pixel's wraps."""
     scores = []
-    for number, frame in rooms(*CALIBRATED):
+    for number, frame in enumerate(rooms(301, 80)):
         seen = [
             simulate(frame, frame_number=number, **how) for how in CONDITIONS.values()
         ]
@@ -85,20 +82,20 @@ def uneven(frame: Frame, number: int, waves: bool) -> Frame:
     return replace(frame, depth=depth + wrap_length(tones[0]) * size / off.std() * off)
 
 
-def measurements(
-    condition: str, frames: Iterable[tuple[int, Frame]]
-) -> Iterator[Measurement]:
-    """Measurements of numbered frames under a condition."""
-    for number, frame in frames:
-        seen = (
-            uneven(frame, number, UNEVEN[condition]) if condition in UNEVEN else frame
-        )
-        yield simulate(seen, frame_number=number, **CONDITIONS.get(condition, {}))
+def measurements(condition: str, frames: Iterable[Frame]) -> Iterator[Measurement]:
+    """What is seen under a condition: scans, or rooms."""
+    if condition in SCANS:
+        yield from (kept_scan(name, SCANS[condition]) for name in SHOWN)
+        return
+    for number, frame in enumerate(frames):
+        if condition in UNEVEN:
+            frame = uneven(frame, number, UNEVEN[condition])
+        yield simulate(frame, frame_number=number, **CONDITIONS.get(condition, {}))
 
 
-def counted(method: str, made: Callable[[], Iterable[Measurement]]) -> Fields:
+def checked(method: str, seen: Iterable[Measurement]) -> Fields:
     """Means over rooms of the shares right and covered and of the wraps in a set; their errors."""
-    counts = pd.DataFrame(tallies(made(), method=method))
+    counts = pd.DataFrame(counts_of(seen, method=method))
     counts["right"] = counts["below"].str[0]
     shares = counts[["right", *COVERAGE]].div(counts["pixels"], axis=0)
     found = {"means": shares.mean().to_dict(), "errors": shares.sem().to_dict()}
@@ -110,15 +107,12 @@ def main() -> None:
     counts = Counts(RESULTS / "coverage.json")
     counts.store(command="python -m cmtof_book.coverage", version=__version__)
     counts.keep("half-widths", of=calibrated)
-    frames = [*rooms(*CHECKED)]
-    made = {one: partial(measurements, one, frames) for one in (*CONDITIONS, *UNEVEN)}
-    for noise in ("photon", "captures"):
-        scan = partial(kept_scan, noise=noise)
-        made[f"scans, {noise}"] = partial(map, scan, SHOWN)
-    asked = [("surfaces", one) for one in made] + [("hybrid", one) for one in SOME]
-    for method, condition in asked:
-        of = partial(counted, method, made[condition])
-        counts.keep("checked", method, condition, of=of)
+    frames = [*rooms(613, 40)]
+    every = [*CONDITIONS, *UNEVEN, *SCANS]
+    for method, conditions in {"surfaces": every, "hybrid": HYBRID}.items():
+        for one in conditions:
+            of = partial(checked, method, measurements(one, frames))
+            counts.keep("checked", method, one, of=of)
 
 
 if __name__ == "__main__":

@@ -14,7 +14,11 @@ TEMPLATES = Environment(
     lstrip_blocks=True,
     keep_trailing_newline=True,
 )
-TEMPLATES.filters |= {"ours": result_text, "published": published_text, "quoted": escape}
+TEMPLATES.filters |= {
+    "ours": result_text,
+    "published": published_text,
+    "quoted": escape,
+}
 
 
 def page(template: str, **values: Any) -> str:

@@ -4,13 +4,13 @@
 
 Everything is simulated. Scans go to build/scanned; what is there, or among the stored rates, is not
 computed again. Rates and fine-tuned weights go where the chapters read them: book/results. What is
-taken out of book/results/scanned.json is counted again.
+taken out of book/results/scanned.json is counted again, as it must be after another training.
 """
 
 import shutil
-from collections.abc import Callable, Iterable, Iterator
+from collections.abc import Callable, Iterable
 from dataclasses import replace
-from functools import partial, reduce
+from functools import partial
 from itertools import product
 from pathlib import Path
 from typing import Any
@@ -180,17 +180,14 @@ def kept(name: str, made: Callable[[], Measurement]) -> Measurement:
     """Measurement of a file by name, which is computed if there is none."""
     path = FOLDER / f"{name}.nc"
     if not path.exists():
-        path.parent.mkdir(parents=True, exist_ok=True)
         made().save(path)
         print("scanned", name, flush=True)
     return cmtof.open(path)
 
 
-def kept_scan(name: str, noise: Noise, seed: int = 0, **rigged: Any) -> Measurement:
+def kept_scan(name: str, noise: Noise, seed: int = 0) -> Measurement:
     """Scan of an object as `scan_object` makes it."""
-    other = "".join(f"_{x:g}" for x in rigged.values())
-    scan = partial(scan_object, name, noise, seed=seed, **rigged)
-    return kept(f"{name}_{noise}_{SIZE}_{seed}{other}", scan)
+    return kept(f"{name}_{noise}_{seed}", partial(scan_object, name, noise, seed=seed))
 
 
 def example(number: int, group: int = 0) -> tuple[Measurement, Array, Array]:
@@ -240,14 +237,14 @@ def tuned_weights(count: int, legs: int) -> Path:
         # without a cache, which would keep the first step's weights for the whole block
         with torch.autocast("cpu", torch.bfloat16, cache_enabled=False):
             tuned, losses = fine_tune(trained, examples, seed=legs, **options)
-        path.parent.mkdir(parents=True, exist_ok=True)
+        path.parent.mkdir(exist_ok=True)
         save_weights(path, tuned.network, tuned.card)
         print(path.parent.name, np.mean(losses[-50:]), flush=True)
     return path
 
 
 class Counts:
-    """Right pixels of scans, in a file of JSON that is written after each of them."""
+    """What was counted, in a file of JSON that is written after each count."""
 
     def __init__(self, path: Path) -> None:
         self.path = path
@@ -255,13 +252,14 @@ class Counts:
 
     def keep(self, *keys: str, of: Callable[[], Any]) -> Any:
         """What is held below some keys; what is not yet held is computed and stored."""
-        *above, key = keys
-        place = reduce(lambda held, name: held.setdefault(name, {}), above, self.held)
-        if key not in place:
-            place[key] = of()
-            print(*keys, place[key], flush=True)
+        place = self.held
+        for key in keys[:-1]:
+            place = place.setdefault(key, {})
+        if keys[-1] not in place:
+            place[keys[-1]] = of()
+            print(*keys, place[keys[-1]], flush=True)
             self.store()
-        return place[key]
+        return place[keys[-1]]
 
     def store(self, **about: Any) -> None:
         """Write everything."""
@@ -269,17 +267,17 @@ class Counts:
         write_json(self.path, self.held)
 
 
-def tallies(scans: Iterable[Measurement], **options: Any) -> Iterator[Values]:
-    """Counts of each measurement that is unwrapped with these options."""
-    for scan in scans:
-        yield Tally().add(scored_pixels(cmtof.unwrap(scan, **options), scan))
+def counts_of(scans: Iterable[Measurement], **options: Any) -> list[Values]:
+    """Counts of each measurement, unwrapped with these options."""
+    tally = Tally()
+    return [
+        tally.add(scored_pixels(cmtof.unwrap(scan, **options), scan)) for scan in scans
+    ]
 
 
-def counts_of(
-    scans: Iterable[Measurement], row: str, options: Values
-) -> list[list[int]]:
+def wraps_off(scans: Iterable[Measurement], row: str, options: Values) -> list:
     """Of each scan: scored pixels, and how many are off by fewer wraps than 1, 2, 3 and 10."""
-    counted = tallies(scans, **({"method": row} | options))
+    counted = counts_of(scans, **({"method": row} | options))
     return [[one["pixels"], *one["below"]] for one in counted]
 
 
@@ -289,8 +287,9 @@ def given_to(method: str, name: str, noise: Noise, seed: int) -> Measurement:
     if method == "rapid":
         return four_phases(scan)
     if method == "phasor":
-        other = kept_scan(name, noise, seed + 100, frequency_single=7.16e9)
-        return close_pair(scan, other)
+        seen = {"seed": seed + 100, "frequency_single": 7.16e9}
+        other = partial(scan_object, name, noise, **seen)
+        return close_pair(scan, kept(f"{name}_{noise}_{seed}_close", other))
     return scan
 
 
@@ -298,15 +297,15 @@ def validated(legs: int) -> list[float]:
     """Shares of right wraps on scans of the things that are held out."""
     weights = tuned_weights(CURVE[-1], legs)
     scans = (example(number, 1)[0] for number in range(VALIDATED))
-    every = counts_of(scans, NETWORK, {"weights": weights})
-    return [round(right / pixels, 4) for pixels, right, *_ in every]
+    every = counts_of(scans, method=NETWORK, weights=weights)
+    return [round(one["below"][0] / one["pixels"], 4) for one in every]
 
 
 def compare(counts: Counts, noise: str, rows: Rows) -> None:
     """Count rows of methods on three scans of each of the shown scenes."""
     for (row, options), name in product(rows.items(), SHOWN):
         given = (given_to(row, name, noise, seed) for seed in SEEDS)
-        of = partial(counts_of, given, row, options)
+        of = partial(wraps_off, given, row, options)
         counts.keep("counts", noise, row, name, of=of)
 
 
@@ -314,7 +313,7 @@ def sweep(counts: Counts, rows: Rows) -> None:
     """Count scans of fewer points and of other noise: every second, every fourth point of each."""
     for level, stride, (row, options) in product(LEVELS, STRIDES, rows.items()):
         given = (thinned(kept_scan(name, LEVELS[level]), stride) for name in SWEPT)
-        of = partial(counts_of, given, row, options)
+        of = partial(wraps_off, given, row, options)
         counts.keep("sweep", level, str(SIZE // stride), row, of=of)
 
 
@@ -325,7 +324,8 @@ def thinned(scan: Measurement, stride: int) -> Measurement:
 
 
 def main() -> None:
-    """Compute what is missing, and store it; nothing counted is kept if the network is another."""
+    """Compute what is missing, and store it."""
+    FOLDER.mkdir(parents=True, exist_ok=True)
     counts = Counts(RATES)
     rates = [
         counts.keep("validation", str(legs), of=partial(validated, legs))
@@ -333,17 +333,13 @@ def main() -> None:
     ]
     chosen = int(np.mean(rates[1:], axis=1).argmax()) + 1
     best = tuned_weights(CURVE[-1], chosen)
-    found = read_card(best).sha256
-    if counts.held.get("weights") != found:
-        counts.store(weights=found, counts={}, sweep={})
     shutil.copytree(best.parent, TUNED, dirs_exist_ok=True)
     counts.store(
         command="python -m cmtof_book.scanned",
         version=__version__,
         settings={"size": SIZE, "seeds": SEEDS, "legs": chosen} | LABELS,
         legs=[FIRST_LEG, NEXT_LEGS],
-        learnt=LEARNT,
-        held_out=HELD_OUT,
+        weights=read_card(best).sha256,
     )
     rows: Rows = {name: {} for name in (*METHODS, *TOLD) if name != "phasor"}
     for row, method in TUNED_ROWS.items():
