@@ -42,9 +42,14 @@ def test_every_chapter_has_a_page_that_states_how_it_was_made():
         assert rows >= {"profile", "seed", "cmtof", "run", "libraries"}
 
 
-def test_no_figure_table_or_equation_of_the_paper_is_missing():
-    page = (BUILD / "stage" / "book" / "scoreboard.md").read_text("utf-8")
-    assert "None of them is missing." in page
+@mark.parametrize(
+    ("pattern", "count"), [("fig0*%d_", 16), (r"table%d[_.]", 4), (r"\\tag\{%d\}", 20)]
+)
+def test_no_figure_table_or_equation_of_the_paper_is_missing(pattern, count):
+    drawn = [path.name for path in BUILD.glob("results/*/*.json")]
+    texts = [path.read_text("utf-8") for path in ROOT.glob("notebooks/*.py")]
+    given = " ".join([*drawn, *published_numbers(), *texts])
+    assert all(re.search(pattern % number, given) for number in range(1, count + 1))
 
 
 def faults(page):

@@ -63,7 +63,6 @@ def test_json_holds_numbers_texts_and_provenance(folder):
 @mark.parametrize(
     "changes",
     [
-        {"name": "Fig 3"},
         {"numbers": {"x": float("nan")}},
         {"numbers": {"x": object()}},
         {"size": (14, 4)},  # text too small on a page
@@ -82,11 +81,6 @@ def test_phase_image_is_cyclic_and_marks_missing_pixels():
     assert shown.get_clim() == (0.0, 2 * np.pi)
     assert_allclose(shown.cmap(0.0), shown.cmap(1.0), atol=0.02)
     assert shown.cmap.get_bad()[0] == approx(0xB0 / 255)
-
-
-def test_a_grid_has_no_empty_panel():
-    fig, axes = plotting.grid(5, 3, 1)
-    assert fig.axes == axes
 
 
 def test_numbers_are_offered_where_there_are_lines(folder):
