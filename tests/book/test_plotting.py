@@ -4,8 +4,7 @@ import json
 
 import matplotlib.pyplot as plt
 import numpy as np
-from numpy.testing import assert_allclose
-from pytest import approx, fixture, mark, raises
+from pytest import fixture, mark, raises
 
 from cmtof import __version__
 from cmtof_book import plotting, provenance
@@ -72,15 +71,6 @@ def test_refusals_leave_nothing_behind(folder, changes):
     with raises(ValueError, match="Expected .*, got "):
         drawn(**changes)
     assert not folder.exists() or not list(folder.iterdir())
-
-
-def test_phase_image_is_cyclic_and_marks_missing_pixels():
-    _, ax = plt.subplots()
-    plotting.phase_image(ax, [[0.0, np.nan], [3.0, 6.0]])
-    (shown,) = ax.images
-    assert shown.get_clim() == (0.0, 2 * np.pi)
-    assert_allclose(shown.cmap(0.0), shown.cmap(1.0), atol=0.02)
-    assert shown.cmap.get_bad()[0] == approx(0xB0 / 255)
 
 
 def test_numbers_are_offered_where_there_are_lines(folder):

@@ -23,12 +23,6 @@ def test_a_close_pair_has_the_lower_frequency_of_both(measured):
     assert pair.phase[1] == approx(measured.phase[0] / 2)
 
 
-def test_every_second_point_is_left(measured):
-    few = scanned.thinned(measured, 2)
-    assert few.phase == approx(measured.phase[:, ::2, ::2])
-    assert few.depth == approx(measured.depth[::2, ::2])
-
-
 def test_a_count_is_computed_once_and_survives_the_process(tmp_path):
     path = tmp_path / "counts.json"
     first = scanned.Counts(path).keep("counts", "kde", of=lambda: [3, 1])

@@ -2,8 +2,6 @@
 
 import json
 from base64 import b64decode
-from concurrent.futures.process import BrokenProcessPool
-from unittest.mock import MagicMock
 
 import matplotlib.pyplot as plt
 import numpy as np
@@ -48,11 +46,3 @@ def test_the_still_shows_the_surface():
     drawn = (still < 0.97).any(axis=-1)
     assert drawn.mean() > 0.3
     assert np.ptp(still[drawn], axis=0).min() > 0.2  # shaded, not one colour
-
-
-def test_without_opengl_the_still_is_missing(monkeypatch, capsys):
-    executor = MagicMock()
-    executor.return_value.__enter__.return_value.submit.side_effect = BrokenProcessPool
-    monkeypatch.setattr(views, "ProcessPoolExecutor", executor)
-    assert views.still(LAYER, **VIEW) is None
-    assert "OpenGL is missing" in capsys.readouterr().err
