@@ -28,41 +28,21 @@ from papermill.exceptions import PapermillExecutionError  # noqa: E402
 from cmtof_book import Values  # noqa: E402
 from cmtof_book.pairs import notebook_from_script  # noqa: E402
 
+# the short commit of the checkout, marked where files differ from it, or nothing
+COMMIT = "git describe --always --dirty '--exclude=*' 2>/dev/null"
 LIBRARIES = ("numpy", "scipy", "numba", "scikit-image", "sympy", "xarray", "matplotlib")
-
-
-def commit() -> str:
-    """Return the short commit of the checkout, marked where files differ from it, or ''."""
-    command = "git describe --always --dirty '--exclude=*' 2>/dev/null"
-    return subprocess.getoutput(command)
-
-
-def provenance(parameters: Values, started: float) -> Values:
-    """Return what the last block of the page tells about this run."""
-    return {
-        "parameters": parameters,
-        "version": metadata.version("cmtof"),
-        "commit": commit(),
-        "date": time.strftime("%Y-%m-%d %H:%M UTC", time.gmtime(started)),
-        "seconds": round(time.time() - started, 1),
-        "python": sys.version.split()[0],
-        "libraries": {name: metadata.version(name) for name in LIBRARIES},
-    }
 
 
 def execute(script: Path, parameters: Values, result: Path) -> None:
     """Run a notebook; ``result`` shows how far it came."""
     started = time.time()
     nbformat.write(notebook_from_script(script), result)
-    defaults = {
-        name: one["default"] for name, one in papermill.inspect_notebook(result).items()
-    }
-    if unknown := sorted(
-        parameters.keys() - defaults
-    ):  # a misspelt size would be ignored
+    known = papermill.inspect_notebook(result)
+    defaults = {name: one["default"] for name, one in known.items()}
+    if unknown := parameters.keys() - defaults:  # a misspelt size would be ignored
         raise ValueError(
             f"Expected parameters of {script.name} ({', '.join(sorted(defaults))}), got "
-            f"{', '.join(unknown)}. Correct P or configs/{parameters['profile']}.yml."
+            f"{', '.join(sorted(unknown))}. Correct P or configs/{parameters['profile']}.yml."
         )
     executed: Any = papermill.execute_notebook(
         result,
@@ -73,19 +53,24 @@ def execute(script: Path, parameters: Values, result: Path) -> None:
         progress_bar=False,
         start_timeout=600,  # s; a busy machine takes more than the usual minute
     )
-    about = provenance({**defaults, **parameters}, started)
-    executed.metadata["cmtof"] = about
+    executed.metadata[
+        "cmtof"
+    ] = {  # what the last block of the page tells about this run
+        "parameters": {**defaults, **parameters},
+        "version": metadata.version("cmtof"),
+        "commit": subprocess.getoutput(COMMIT),
+        "date": time.strftime("%Y-%m-%d %H:%M UTC", time.gmtime(started)),
+        "seconds": round(time.time() - started, 1),
+        "python": sys.version.split()[0],
+        "libraries": {name: metadata.version(name) for name in LIBRARIES},
+    }
     nbformat.write(executed, result)
-    print(f"{script.stem}: {about['seconds']} s", file=sys.stderr, flush=True)
-
-
-def main(notebook: str, parameters: str, result: str) -> None:
-    """Run one notebook; exit code 1 where it fails."""
-    try:
-        execute(Path(notebook), json.loads(parameters), Path(result))
-    except (PapermillExecutionError, ValueError) as error:
-        sys.exit(f"{notebook}: {error}\nThe notebook as far as it came: {result}")
+    print(f"{script.stem}: {time.time() - started:.1f} s", file=sys.stderr, flush=True)
 
 
 if __name__ == "__main__":
-    main(*sys.argv[1:])
+    SCRIPT, GIVEN, RESULT = sys.argv[1:]
+    try:
+        execute(Path(SCRIPT), json.loads(GIVEN), Path(RESULT))
+    except (PapermillExecutionError, ValueError) as error:
+        sys.exit(f"{SCRIPT}: {error}\nThe notebook as far as it came: {RESULT}")

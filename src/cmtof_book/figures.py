@@ -11,7 +11,6 @@ from pathlib import Path
 
 import typer
 
-from cmtof.files import written_whole
 from cmtof_book.provenance import read_json, write_json
 from cmtof_book.record import PAPER, TEXT, read_all
 from cmtof_book.scoreboard import accepted, scores_in
@@ -24,27 +23,23 @@ def main(results: Path, figures: Path) -> None:
     """Make ``figures`` hold the figures of the chapters' folders in ``results``, and the scores."""
     drawn = {
         file.name: file
-        for file in sorted(results.glob("*/*"))
+        for file in results.glob("*/*")
         if file.suffix in SUFFIXES and file.stem not in (PAPER, TEXT)
     }
-    figures.mkdir(exist_ok=True)
     for file in figures.iterdir():
         if file.suffix in SUFFIXES and file.name not in (*drawn, SCOREBOARD):
             file.unlink()
-    for name, file in drawn.items():
-        sources = [
-            _source(path.with_suffix(".json")) for path in (figures / name, file)
-        ]
-        if sources != ["measured", "simulated"]:
-            with written_whole(figures / name) as part:
-                shutil.copyfile(file, part)
+    for name, file in sorted(drawn.items()):
+        if (source_of(figures / name), source_of(file)) != ("measured", "simulated"):
+            shutil.copyfile(file, figures / name)
             print(name)
     write_json(figures / SCOREBOARD, accepted(scores_in(read_all(results))))
 
 
-def _source(numbers: Path) -> str | None:
+def source_of(figure: Path) -> str | None:
     """Source that stands among a figure's numbers, if one does."""
-    return read_json(numbers).get("numbers", {}).get("source")
+    held = read_json(figure.with_suffix(".json"))
+    return held.get("numbers", {}).get("source")
 
 
 if __name__ == "__main__":

@@ -13,7 +13,6 @@ from typing import Any, NamedTuple
 
 from cmtof.types import Named
 from cmtof_book import Values, provenance
-from cmtof_book.compared import Compared
 
 PAPER = "paper"  # name of the record of what a chapter checked against the paper
 
@@ -34,14 +33,6 @@ class Record(NamedTuple):
     def numbers(self) -> Values:
         """Numbers, plain or as a mapping that says the kind."""
         return self.content["numbers"]
-
-    def compared(self) -> dict[str, Compared]:
-        """Those numbers that have a kind."""
-        return {
-            name: Compared(**number)
-            for name, number in self.numbers.items()
-            if isinstance(number, dict) and "kind" in number
-        }
 
 
 def shown(kind: str, **about: Any) -> Values:
