@@ -1,20 +1,20 @@
 """The paper's ten main claims: the table on the first page, a page each, and our own findings."""
 
 import re
+from collections import defaultdict
 from collections.abc import Iterable
-from functools import cache
+from functools import cache, partial
 from pathlib import Path
-from typing import Any, NamedTuple
+from typing import NamedTuple
 
 from cmtof.files import read_document
 from cmtof.types import Texts
 from cmtof_book import Values, pages
-from cmtof_book.paper import estimate_text, result_text
-from cmtof_book.record import TEXT, Record
+from cmtof_book.paper import estimate_text, quantity_text, result_text
+from cmtof_book.record import Record
 from cmtof_book.scoreboard import Scores
-from cmtof_book.verdict import Estimate, Score, sentence, worst
+from cmtof_book.verdict import Score, sentence, worst
 
-TOKEN = re.compile(r"\{([^{}|]+)(?:\|([^{}]+))?\}")
 UNIT = re.compile(r"(?<=\d) (?=[%µ]|[GM]?Hz|rad|points|[fkmp]?[ms]\b)")
 
 
@@ -82,54 +82,45 @@ def claims(scores: Scores) -> list[Claim]:
     ]
 
 
-class Numbers:
-    """All numbers of a build: our results, and those that its figures and its pages tell."""
-
-    def __init__(self, scores: Scores, records: Iterable[Record]) -> None:
-        self.scores = scores
-        self.records = {f"{one.chapter}/{one.name}": one for one in records}
-
-    def fill(self, text: str) -> str:
-        """Put numbers into a text of ``claims.yml``."""
-        filled = TOKEN.sub(lambda token: self.number(token[1], token[2] or ""), text)
-        return UNIT.sub("\u00a0", filled)
-
-    def number(self, name: str, style: str) -> str:
-        """One number as text: by the key of a published one, of a figure, or of a page.
-
-        ``key@0`` is our first case of a published number, and the style ``alone`` leaves out its
-        interval.
-        """
-        key, _, case = name.partition("@")
-        if score := self.scores.get(key):
-            if not score.cases:
-                return "(not computed)"
-            if not case:
-                return result_text(score, 3)
-            one = [*score.cases.values()][int(case)]
-            shown = Estimate(*[one.value] * 3) if style == "alone" else one
-            return estimate_text(shown, score.number.unit, 3)
-        figure, *path = name.replace(":", f"/{TEXT}.").split(".")
-        held: Any = self.records[figure].numbers
-        for step in path:
-            held = held[int(step) if isinstance(held, list) else step]
-            held = held["value"] if isinstance(held, dict) and "kind" in held else held
-        return f"{held:{style}}".replace("%", " %")
+def numbers_of(scores: Scores, records: Iterable[Record]) -> Values:
+    """All numbers of a build, as the texts of ``claims.yml`` name them."""
+    results: defaultdict[str, str] = defaultdict(lambda: "(not computed)")
+    for key, score in scores.items():
+        unit = score.number.unit
+        for place, one in enumerate(score.cases.values()):
+            results[key] = result_text(score, 3)
+            results[f"{key}@{place}"] = estimate_text(one, unit, 3)
+            results[f"{key}@{place} alone"] = quantity_text(one.value, unit, 3)
+    figures = {}
+    for record in records:
+        figures[f"{record.chapter}/{record.name}"] = {
+            name: one["value"] if isinstance(one, dict) and "kind" in one else one
+            for name, one in record.numbers.items()
+        }
+    return {"p": results, "f": figures}
 
 
-def texts(numbers: Numbers) -> Texts:
+def filled(text: str, numbers: Values) -> str:
+    """Put numbers into a text of ``claims.yml``; a line never breaks before a unit."""
+    spaced = re.sub(r"(?<=\d)%", " %", text.format(**numbers))
+    return UNIT.sub("\u00a0", spaced)
+
+
+def texts(scores: Scores, records: list[Record]) -> Texts:
     """Pages by name: each claim's, the table of the first page, and what we found beyond the paper.
 
     The table has each claim, our answer, the verdict and why. A claim's figure is that of a build.
     """
-    every = claims(numbers.scores)
+    fill = partial(filled, numbers=numbers_of(scores, records))
+    every = claims(scores)
     found = _document()["findings"]
     made = {
-        "claims": pages.page("claims", claims=every, fill=numbers.fill),
-        "findings": pages.page("findings", findings=found, fill=numbers.fill),
+        "claims": pages.page("claims", claims=every, fill=fill),
+        "findings": pages.page("findings", findings=found, fill=fill),
     }
+    drawn = {record.name: record.content for record in records}
     for claim in every:
-        drawn = numbers.records["{chapter}/{figure}".format(**claim.about)].content
-        text = pages.page("claim", claim=claim, drawn=drawn, fill=numbers.fill)
+        figure = drawn[claim.about["figure"]]
+        text = pages.page("claim", claim=claim, drawn=figure, fill=fill)
         made[f"claims/{claim.name}"] = text
     return made

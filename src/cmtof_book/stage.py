@@ -58,10 +58,10 @@ def place_shown(notebook: Any, stem: str) -> None:
             elif kind in ("text", "answer"):
                 text = output.data["text/markdown"]
                 shown.append(new_markdown_cell(text))
-            if kind == "answer":
-                paragraphs = cells[0].source.split("\n\n")
-                paragraphs.insert(2, text)
-                cells[0].source = "\n\n".join(paragraphs)
+                if kind == "answer":
+                    paragraphs = cells[0].source.split("\n\n")
+                    paragraphs.insert(2, text)
+                    cells[0].source = "\n\n".join(paragraphs)
         if not cell.source.startswith(("notes.say", "notes.answer")):
             cells.append(cell)
         cells += shown
@@ -97,8 +97,8 @@ def main(build: Path, stage: Path, *notebooks: Path) -> None:
     for executed in notebooks:
         stage_notebook(executed, stage / "notebooks" / executed.name)
     records = list(read_all(build / "results"))
-    numbers = claims.Numbers(scoreboard.scores_in(records), records)
-    texts = {"scoreboard": scoreboard.page(numbers.scores)} | claims.texts(numbers)
+    scores = scoreboard.scores_in(records)
+    texts = {"scoreboard": scoreboard.page(scores)} | claims.texts(scores, records)
     for name, text in texts.items():
         (stage / "book" / f"{name}.md").write_text(text, "utf-8")
     laboratory.write(stage / "book" / "_static" / "laboratory")

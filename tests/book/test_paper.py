@@ -146,24 +146,14 @@ def test_the_accepted_verdicts_follow_from_the_accepted_numbers():
 
 
 def test_claims_are_filled_with_numbers_of_the_build():
-    drawn = {"law": compared.closed_form([0.5, 0.25]).record(), "rates": {"right": 3}}
-    records = [
-        record.Record("03_wraps", "wraps_odds", {"numbers": drawn}),
-        record.Record("03_wraps", record.TEXT, {"numbers": {"x": 2.5}}),
-    ]
-    plate = {"quiet": (2e-3, 1e-3, 3e-3), "noisy": 4e-3}
-    found = {"fig3.precision_ratio": 104.63, "sec8.rf_plate": plate}
-    numbers = claims.Numbers(scores(found), records)
-    asked = "{03_wraps/wraps_odds.law.1|.0%} {03_wraps/wraps_odds.rates.right|d} {03_wraps:x|.1f} "
-    assert (
-        numbers.fill(asked + "{fig3.precision_ratio}")
-        == "25\N{NO-BREAK SPACE}% 3 2.5 105"
-    )
-    assert numbers.fill("{sec1.contrast}") == "(not computed)"
-    filled = numbers.fill(
-        "{sec8.rf_plate@0|alone}, {sec8.rf_plate@0}, {sec8.rf_plate@1}"
-    )
-    assert filled.replace("\N{NO-BREAK SPACE}", " ") == "2 mm, 2 mm (1–3 mm), 4 mm"
+    law = compared.closed_form([0.5, 0.25]).record()
+    records = [record.Record("03_wraps", "wraps_odds", {"numbers": {"law": law}})]
+    found = {"sec8.rf_plate": {"quiet": (2e-3, 1e-3, 3e-3), "noisy": 4e-3}}
+    numbers = claims.numbers_of(scores(found), records)
+    asked = "{p[sec8.rf_plate@0 alone]}, {p[sec8.rf_plate@0]}, {p[sec8.rf_plate@1]}, "
+    asked += "{p[sec1.contrast]}, {f[03_wraps/wraps_odds][law][1]:.0%}"
+    told = claims.filled(asked, numbers).replace("\N{NO-BREAK SPACE}", " ")
+    assert told == "2 mm, 2 mm (1–3 mm), 4 mm, (not computed), 25 %"
 
 
 def test_what_was_checked_is_recorded_shown_and_counted(folder, monkeypatch):
