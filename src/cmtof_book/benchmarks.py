@@ -6,28 +6,21 @@ thread; memory is the peak above what the process held before (Linux).
 
 import multiprocessing
 import os
+from dataclasses import replace
 from itertools import product
 from pathlib import Path
 from time import process_time
 
-import numpy as np
-
 from cmtof_book import RESULTS, THREADS, Values
-
-SHAPE = (768, 1024)
 
 
 def cost(method: str, protocol: str) -> Values:
     """Seconds and megabytes of unwrapping one large frame; the second of two runs."""
     import cmtof
     from cmtof.evaluation import measured
-    from cmtof.scenes import Frame, load_frame
+    from cmtof_book.frames import SETTINGS, views
 
-    small = load_frame("room")  # each pixel is repeated
-    steps = zip(SHAPE, small.depth.shape, strict=True)
-    place = np.ix_(*(np.arange(new) * old // new for new, old in steps))
-    camera = small.camera * np.tile(np.divide(SHAPE, small.depth.shape)[::-1], 2)
-    frame = Frame(small.depth[place], small.intensity[place], camera)
+    frame = next(views(replace(SETTINGS, height=768, width=1024)))
     measurement = measured(frame, [method], protocol=protocol)[method]
     cmtof.unwrap(measurement, method=method)
     Path("/proc/self/clear_refs").write_text("5", "utf-8")  # forget the peak so far
