@@ -70,7 +70,7 @@ pdf: book ## Print the whole book to build/PROFILE/book.pdf (Debian: apt-get ins
 		--print-to-pdf="$(CURDIR)/build/$(PROFILE)/book.pdf" "file://$$PWD/whole.html"
 
 test: setup ## Check sizes, build the book with the small ci profile, then run the tests
-	@$(BIN)/python -m cmtof_book.size $(V)
+	@$(BIN)/python -m cmtof_book.size
 	@$(call build,ci)
 	@$(BIN)/python -m pytest -m "not slow" -n $(CORES)
 
@@ -86,8 +86,8 @@ test-book: setup ## Read the built book in a browser without a network
 fuzz: setup ## Five thousand hostile inputs for the command line
 	@$(BIN)/python tests/hostile/fuzz.py 5000
 
-size: setup ## Volume and density of every part beside its budget (V=-v names what is over)
-	@$(BIN)/python -m cmtof_book.size $(V)
+size: setup ## Volume and density of every part, and what else exceeds its budget
+	@$(BIN)/python -m cmtof_book.size
 
 lab: setup ## Open the notebooks in JupyterLab
 	@$(BIN)/jupyter lab --ServerApp.root_dir=. $(if $(filter 0,$(shell id -u)),--allow-root) notebooks

@@ -24,24 +24,30 @@ _SIGNS = {"eq": "", "approx": "≈ ", "lt": "< ", "gt": "> "}
 
 @cache
 def published_numbers() -> dict[str, Published]:
-    """Every published number by its key, in the order of the paper; a row of a table has some."""
+    """Every published number by its key, in the order of the paper."""
     text = Path(__file__).with_name("paper.yml").read_text("utf-8")
     document = yaml.safe_load(text)
     known = document.pop("_dependencies")
     numbers = {}
     for name, held in document.items():
-        if name[0] == "_":
-            continue
-        depends = [Dependency(one, **known[one]) for one in held.get("depends", ())]
-        columns = held.get("columns") or {"": ""}
-        values = np.atleast_1d(held["value"]).tolist()
-        for (column, title), value in zip(columns.items(), values, strict=True):
-            scale = {"absolute": 1.0, "relative": abs(value)}
-            allowed = [scale[kind] * size for kind, size in held["tolerance"].items()]
-            key = f"{name}.{column}".rstrip(".")
-            what = f"{held['what']}, {title}".rstrip(", ")
-            own = {"key": key, "value": value, "what": what, "tolerance": min(allowed)}
-            numbers[key] = Published(**held | own | {"depends": depends})
+        if name[0] != "_":
+            depends = [Dependency(one, **known[one]) for one in held.get("depends", ())]
+            numbers |= _numbers_of(name, held | {"depends": depends})
+    return numbers
+
+
+def _numbers_of(name: str, held: Values) -> dict[str, Published]:
+    """Numbers of an entry by key; a row of a table has some, by the keys of its columns."""
+    numbers = {}
+    columns = held.get("columns") or {"": ""}
+    values = np.atleast_1d(held["value"]).tolist()
+    for (column, title), value in zip(columns.items(), values, strict=True):
+        scale = {"absolute": 1.0, "relative": abs(value)}
+        allowed = [scale[kind] * size for kind, size in held["tolerance"].items()]
+        key = f"{name}.{column}".rstrip(".")
+        what = f"{held['what']}, {title}".rstrip(", ")
+        own = {"key": key, "value": value, "what": what, "tolerance": min(allowed)}
+        numbers[key] = Published(**held | own)
     return numbers
 
 

@@ -64,6 +64,13 @@ def count(held: Values, row: str, file: Path, *, is_run: bool) -> None:
     print(row, evaluation.report()["methods"], flush=True)
 
 
+def write(held: Values, path: Path) -> None:
+    """Store counts, one frame a line."""
+    text = json.dumps(held).replace('{"frame": ', '\n{"frame": ')
+    with written_whole(path) as part:
+        part.write_text(text + "\n", "utf-8")
+
+
 def main(
     methods: Annotated[
         list[str], typer.Argument(metavar="METHOD", default_factory=list)
@@ -82,14 +89,11 @@ def main(
         words = ["table3", *words[1:], *(f"{phase:g}" for phase in offset)]
     path = RESULTS / f"{'_'.join(filter(None, words))}.json"
     held = read_json(path) or {"settings": settings, "size": size, "frames": []}
-    counted = {name for frame in held["frames"] for name in frame["methods"]}
+    counted = held["frames"][0]["methods"] if held["frames"] else ()
     for row, file in files_of_rows(methods, protocol, runs).items():
-        if row in counted and not methods:
-            continue
-        count(held, row, file, is_run=bool(runs))
-        text = json.dumps(held).replace('{"frame": ', '\n{"frame": ')  # one a line
-        with written_whole(path) as part:
-            part.write_text(text + "\n", "utf-8")
+        if methods or row not in counted:
+            count(held, row, file, is_run=bool(runs))
+            write(held, path)
 
 
 if __name__ == "__main__":
