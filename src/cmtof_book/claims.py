@@ -13,7 +13,7 @@ from cmtof_book import Values, pages
 from cmtof_book.paper import estimate_text, quantity_text, result_text
 from cmtof_book.record import Record
 from cmtof_book.scoreboard import Scores
-from cmtof_book.verdict import Score, sentence, worst
+from cmtof_book.verdict import RANK, Score, sentence
 
 UNIT = re.compile(r"(?<=\d) (?=[%µ]|[GM]?Hz|rad|points|[fkmp]?[ms]\b)")
 
@@ -28,7 +28,7 @@ class Claim(NamedTuple):
     @property
     def outcome(self) -> str:
         """The worst verdict of its numbers."""
-        return worst(self.scores)
+        return min((one.verdict for one in self.scores), key=RANK.__getitem__)
 
     @property
     def why(self) -> str:
@@ -63,9 +63,9 @@ class Claim(NamedTuple):
         held: dict[str, tuple[str, bool]] = {}
         for score in sorted(self.scores, key=lambda one: not one.chapter):
             for one in score.number.depends:
-                held.setdefault(one.name, (score.ours(one), score.has_papers(one)))
-        if held.get("sizes", ("", False))[1]:
-            del held["sizes"]  # the book's own
+                is_papers = score.has_papers(one)
+                if one.name != "sizes" or not is_papers:  # they are the book's own
+                    held.setdefault(one.name, (score.ours(one), is_papers))
         return dict(held.values())
 
 

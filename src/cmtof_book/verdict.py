@@ -5,7 +5,7 @@ differs and everything that it depends on is the paper's; *open* otherwise. A se
 or *changed*. What nobody can compare is *untested*.
 """
 
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import field
 from typing import Any, Literal, NamedTuple
 
@@ -170,11 +170,6 @@ class Score:
         if self.verdict != "open" or not found:
             return ""
         return f"It would be decided by: {'; '.join(found)}."
-
-
-def worst(scores: Iterable[Score]) -> str:
-    """The worst verdict of several."""
-    return min((one.verdict for one in scores), key=RANK.__getitem__)
 
 
 def sentence(text: str) -> str:
