@@ -89,7 +89,8 @@ fuzz: setup ## Five thousand hostile inputs for the command line
 size: setup ## Volume and density of every part, and what else exceeds its budget
 	@$(BIN)/python -m cmtof_book.size
 
-lab: setup ## Open the notebooks in JupyterLab
+lab: setup ## Open the notebooks in JupyterLab, each as its newer half is
+	@$(BIN)/python -m cmtof_book.pairs --newer
 	@$(BIN)/jupyter lab --ServerApp.root_dir=. $(if $(filter 0,$(shell id -u)),--allow-root) notebooks
 
 lint: setup ## Check style, types, notebook pairs and words

@@ -212,13 +212,32 @@ document.querySelectorAll("[data-content_root] .scene").forEach((place) => {
   else load();
 });
 
-// --- two methods on one image, left and right of a divider ---------------------------------------
+// --- two methods on one image: the divider, and what both say of the pixel under the pointer -----
 
-document.querySelectorAll("figure.swipe").forEach((figure) => {
-  const slider = figure.querySelector("[type=range]");
+document.querySelectorAll("figure.swipe").forEach(async (figure) => {
+  const [slider, told] = ["[type=range]", ".told"].map((part) => figure.querySelector(part));
   const move = () => figure.style.setProperty("--at", `${slider.value}%`);
   slider.addEventListener("input", move);
   move();
+  await told.decode();
+  const [width, height] = [told.naturalWidth / 2, told.naturalHeight], canvas = document.createElement("canvas");
+  Object.assign(canvas, { width: 2 * width, height });
+  canvas.getContext("2d").drawImage(told, 0, 0);
+  const { data } = canvas.getContext("2d").getImageData(0, 0, 2 * width, height);
+  const spot = [width >> 1, height >> 1];
+  const tell = (...to) => {
+    to.forEach((one, axis) => (spot[axis] = Math.max(0, Math.min([width, height][axis] - 1, Math.floor(one)))));
+    const at = 4 * (2 * spot[1] * width + spot[0]), odds = data.subarray(at + 4 * width);
+    const wraps = (n) => `${n} wraps, ${((n + odds[0] / 255) * figure.dataset.wrap).toFixed(0)} mm`;
+    const sides = JSON.parse(figure.dataset.names).map((name, k) => `${name}: ${wraps(data[at + k + 1])}, odds ${(odds[k + 1] / 2.55).toFixed(0)} %`);
+    const all = data[at] ? [`truth: ${wraps(data[at])}`, ...sides] : ["not scored"];
+    figure.querySelector("output").textContent = `Pixel (${spot}): ${all.join("; ")}`;
+  };
+  slider.addEventListener("pointermove", ({ offsetX, offsetY }) => tell((offsetX / slider.offsetWidth) * width, (offsetY / slider.offsetHeight) * height));
+  slider.addEventListener("keydown", (event) => {
+    const way = event.shiftKey && arrow(event);
+    if (way) tell(...way.map((step, axis) => spot[axis] + step));
+  });
 });
 
 // --- sliders -------------------------------------------------------------------------------------

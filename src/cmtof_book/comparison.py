@@ -1,18 +1,21 @@
 """Methods side by side on the same scene: the error of each (Fig. 10), and two on one image.
 
-The script of the book's pages moves the divider of `show_swipe`.
+The script of the book's pages moves the divider of `show_swipe`, and tells of a pixel what both
+methods say of it.
 """
 
-from collections.abc import Sequence
+import json
+from collections.abc import Iterator, Sequence
 from io import BytesIO
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 import matplotlib.pyplot as plt
 import numpy as np
 import xarray as xr
 from matplotlib.figure import Figure
+from numpy.typing import NDArray
 
-from cmtof.correlation import wrap_count_from_depth
+from cmtof.correlation import TAU, wrap_count_from_depth, wrap_length
 from cmtof.measurement import Measurement
 from cmtof.scenes import Frame
 from cmtof.types import Array, Pair
@@ -57,41 +60,63 @@ def comparison_figure(scene: Scene, labels: Sequence[str]) -> Figure:
     figure, axes = grid(2 + len(labels), 3, height / width)
     light, truth, *others = axes
     brightness = np.sqrt(np.clip(np.nan_to_num(scene.frame.intensity), 0, 1))
-    image(light, brightness, cmap="gray", title="the room", bar=False)
-    image(truth, scene.count(), limits=scene.limits, title="true wraps", bar=False)
+    image(light, brightness, label="", cmap="gray", title="the room", bar=False)
+    image(
+        truth,
+        scene.count(),
+        label="",
+        limits=scene.limits,
+        title="true wraps",
+        bar=False,
+    )
     for ax, label in zip(others, labels, strict=True):
         title = f"{label}: {100 * scene.right(label):.0f} %"
         look = {"cmap": "magma", "limits": (0, WORST), "bar": False}
-        image(ax, scene.error(label), title=title, **look)
+        image(ax, scene.error(label), label="", title=title, **look)
     figure.colorbar(others[0].images[0], ax=axes[:6], label="wraps off")
     return figure
 
 
 def show_swipe(scene: Scene, left: str, right: str) -> None:
     """Put the wraps by two methods on the page, left and right of a divider."""
-    sides = [
-        f"<code>{one}</code> ({100 * scene.right(one):.0f} % right) at the {side}"
-        for one, side in ((left, "left"), (right, "right"))
-    ]
+    pictures = [*_pictures(scene, left, ""), *_pictures(scene, right, "over")]
+    sides = f"{_share(scene, left)} at the left, {_share(scene, right)} at the right"
+    wrap = 1e3 * wrap_length(scene.measurement.frequencies[0])
     live.show(
-        f'<figure class="swipe"><div>{_pictures(scene, left)}{_pictures(scene, right, "over")}'
+        f'<figure class="swipe" data-wrap="{wrap}" data-names=\'{json.dumps([left, right])}\'>'
+        f"<div>{''.join(pictures)}{_image(_told(scene, left, right), 'told')}"
         f'<input type="range" aria-label="Divider: {left} at its left, {right} at its right">'
-        '</div><label><input type="checkbox"> errors</label>'
-        f"<figcaption>{', '.join(sides)}. Move the divider with the pointer or the arrow keys."
+        '</div><label><input type="checkbox"> errors</label> <output></output>'
+        f"<figcaption>{sides}. Move the divider with the pointer or the arrow keys. The line "
+        "above tells of the pixel under the pointer; shift and arrow keys move it."
         "</figcaption></figure>"
     )
 
 
-def _pictures(scene: Scene, label: str, place: str = "") -> str:
+def _share(scene: Scene, label: str) -> str:
+    return f"<code>{label}</code> ({100 * scene.right(label):.0f} % right)"
+
+
+def _told(scene: Scene, *labels: str) -> NDArray[np.uint8]:
+    """True wraps and those by two methods, beside them phase and odds, 255 for one, as colours."""
+    counts = np.dstack([scene.count(), *map(scene.count, labels)])
+    odds = [scene.answers[label]["confidence"] for label in labels]
+    shares = np.dstack([scene.measurement.phase[0] / TAU, *odds])
+    return np.nan_to_num(np.hstack([counts, 255 * shares])).astype(np.uint8)
+
+
+def _pictures(scene: Scene, label: str, place: str) -> Iterator[str]:
     """Wraps and errors of a method as images of HTML."""
     wraps = "wraps", "viridis", scene.count(label), scene.limits
     errors = "errors", "magma", scene.error(label), (0, WORST)
-    drawn = ""
     for kind, scale, values, (low, high) in (wraps, errors):
         colours = plt.get_cmap(scale).with_extremes(bad="0.6")
-        written = BytesIO()
-        plt.imsave(written, values, cmap=colours, vmin=low, vmax=high)
-        source = f"data:image/png;base64,{letters(written.getvalue())}"
         text = f"{kind.capitalize()} of {label}."
-        drawn += f'<img class="dark-light {kind} {place}" alt="{text}" src="{source}">'
-    return drawn
+        yield _image(values, f"{kind} {place}", text, cmap=colours, vmin=low, vmax=high)
+
+
+def _image(values: NDArray, kind: str, text: str = "", **look: Any) -> str:
+    written = BytesIO()
+    plt.imsave(written, values, **look)
+    source = f"data:image/png;base64,{letters(written.getvalue())}"
+    return f'<img class="dark-light {kind}" alt="{text}" src="{source}">'

@@ -4,6 +4,7 @@ What is folded on the page is folded in JupyterLab too.
 
 python -m cmtof_book.pairs          write each .ipynb that is missing or differs
 python -m cmtof_book.pairs --check  only tell, and exit 1 if one is missing or differs
+python -m cmtof_book.pairs --newer  take over what was changed in the .ipynb alone, as by an editor
 """
 
 import sys
@@ -12,6 +13,7 @@ from typing import Any
 
 import jupytext
 import nbformat
+from jupytext.cli import jupytext as jupytext_cli
 
 from cmtof.files import written_whole
 from cmtof_book import ROOT
@@ -48,9 +50,23 @@ def same(script: Path) -> bool:
     )
 
 
-def main(check: bool) -> int:
-    """Write, or with ``check`` only name, every pair that is not the same; give the exit code."""
+def take_newer(script: Path) -> None:
+    """Write the script again where the cells of the notebook differ and are younger."""
+    notebook = script.with_suffix(".ipynb")
+    if notebook.is_file() and notebook.stat().st_mtime > script.stat().st_mtime:
+        old = [cell.source for cell in notebook_from_script(script).cells]
+        if old != [cell.source for cell in nbformat.read(notebook, 4).cells]:
+            jupytext_cli(["--sync", "--quiet", str(notebook)])
+
+
+def main(mode: str) -> int:
+    """Write, or with ``--check`` only name, every pair that is not the same; give the exit code."""
     scripts = sorted((ROOT / "notebooks").glob("[0-9][0-9]_*.py"))
+    if mode == "--newer":
+        for script in scripts:
+            take_newer(script)
+        return 0
+    check = mode == "--check"
     stale = [script for script in scripts if not same(script)]
     for script in stale:
         print(f"{'differs' if check else 'written'}: {script.stem}.ipynb")
@@ -61,4 +77,4 @@ def main(check: bool) -> int:
 
 
 if __name__ == "__main__":
-    sys.exit(main("--check" in sys.argv))
+    sys.exit(main("".join(sys.argv[1:2])))

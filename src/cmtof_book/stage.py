@@ -22,12 +22,18 @@ from cmtof_book.record import read_all
 NUMBERS = "_static/numbers"  # of the figures, where the Snakefile puts them
 
 
+def caption(about: Values, stem: str) -> str:
+    """Caption of a figure with its number in the paper, and a line on how to get at it."""
+    paper = re.match(r"(fig|table)0*(\d+)_", about["name"])
+    return myst(
+        pages.page("caption", about=about, stem=stem, paper=paper, folder=NUMBERS)
+    )
+
+
 def figure_cell(output: Any, about: Values, stem: str) -> Any:
-    """A cell of its own for a saved figure, numbered, with its caption and how to get at it."""
-    name = about["name"]
-    paper = re.match(r"(fig|table)0*(\d+)_", name)
-    text = pages.page("caption", about=about, stem=stem, paper=paper, folder=NUMBERS)
-    figure = {"caption": myst(text), "name": f"fig-{name}".replace("_", "-")}
+    """A cell of its own for a saved figure, with the metadata that number it."""
+    name = "fig-" + about["name"].replace("_", "-")
+    figure = {"caption": caption(about, stem), "name": name}
     metadata = {
         "tags": ["remove-input", *["hide-output"] * about["folded"]],
         "mystnb": {"figure": figure, "image": {"alt": about["alt"]}},
@@ -38,44 +44,69 @@ def figure_cell(output: Any, about: Values, stem: str) -> Any:
 def place_shown(notebook: Any, stem: str) -> None:
     """Make every saved figure, and every sentence that a run has written, a cell of its own.
 
-    The answer is repeated behind the first paragraph, which asks for it. What a reader moves needs
-    no frame on a page.
+    The answer is repeated at the head. What a reader moves needs no frame on a page.
     """
     cells: list[Any] = []
     for cell in notebook.cells:
-        if "injected-parameters" in cell.metadata.get("tags", []):
-            continue  # they stand at the end of the page
-        shown = []
+        figures = []
+        said = []
         for output in [*cell.get("outputs", ())]:
             about = output.get("metadata", {}).pop("cmtof", {"kind": ""})
-            kind = about["kind"]
-            if kind == "page":
-                output.data["text/html"] = about["html"]
-            elif kind:
+            match about["kind"]:
+                case "page":
+                    output.data["text/html"] = about["html"]
+                case "figure":
+                    figures.append(figure_cell(output, about, stem))
+                case "text" | "answer":
+                    said.append(new_markdown_cell(output.data["text/markdown"]))
+            if about["kind"] not in ("", "page"):
                 cell.outputs.remove(output)
-            if kind == "figure":
-                shown.append(figure_cell(output, about, stem))
-            elif kind in ("text", "answer"):
-                text = output.data["text/markdown"]
-                shown.append(new_markdown_cell(text))
-                if kind == "answer":
-                    paragraphs = cells[0].source.split("\n\n")
-                    paragraphs.insert(2, text)
-                    cells[0].source = "\n\n".join(paragraphs)
-        if not cell.source.startswith(("notes.say", "notes.answer")):
+            if about["kind"] == "answer":
+                put_behind_question([*cells, cell], said[-1].source)
+        if not said or not cell.source.startswith("notes."):
             cells.append(cell)
-        cells += shown
+        cells += figures + said
     notebook.cells = cells
 
 
+def put_behind_question(cells: list[Any], answer: str) -> None:
+    """Insert the answer behind the first paragraph of the chapter, which asks for it."""
+    paragraphs = cells[0].source.split("\n\n")
+    paragraphs.insert(2, answer)
+    cells[0].source = "\n\n".join(paragraphs)
+
+
 def lead_with_figure(notebook: Any) -> None:
-    """Move the first figure to behind the introduction."""
+    """Move the first figure to behind the introduction; a link stays where text stood between."""
     cells = notebook.cells
-    figures = [
-        n for n, c in enumerate(cells) if "figure" in c.metadata.get("mystnb", {})
-    ]
-    if figures:
-        cells.insert(1, cells.pop(figures[0]))
+    place = next(
+        (n for n, c in enumerate(cells) if "figure" in c.metadata.get("mystnb", {})), 0
+    )
+    texts = [n for n in range(place) if cells[n].cell_type == "markdown"]
+    if texts:
+        figure = cells.pop(place)
+        cells.insert(1, figure)
+        if texts[1:]:
+            name = figure.metadata["mystnb"]["figure"]["name"]
+            seen = f"See {{numref}}`{name}` at the head of this chapter."
+            cells.insert(place + 1, new_markdown_cell(seen))
+
+
+def join_folded(notebook: Any) -> None:
+    """Join neighbouring cells whose source is folded and that show nothing between into one."""
+    cells: list[Any] = []
+    for cell in notebook.cells:
+        if "injected-parameters" in _tags(cell):
+            continue  # they stand at the end of the page
+        folded = all("hide-input" in _tags(one) for one in (cell, *cells[-1:]))
+        if cells and folded and not cells[-1].outputs:
+            cell.source = f"{cells.pop().source}\n\n{cell.source}"
+        cells.append(cell)
+    notebook.cells = cells
+
+
+def _tags(cell: Any) -> list[str]:
+    return cell.metadata.get("tags", [])
 
 
 def stage_notebook(executed: Path, target: Path) -> None:
@@ -83,6 +114,7 @@ def stage_notebook(executed: Path, target: Path) -> None:
     notebook: Any = nbformat.read(executed, as_version=4)
     place_shown(notebook, executed.stem)
     lead_with_figure(notebook)
+    join_folded(notebook)
     about = pages.page("provenance", **notebook.metadata.pop("cmtof"))
     notebook.cells.append(new_markdown_cell(about))
     for number, cell in enumerate(notebook.cells):
@@ -98,7 +130,8 @@ def main(build: Path, stage: Path, *notebooks: Path) -> None:
         stage_notebook(executed, stage / "notebooks" / executed.name)
     records = list(read_all(build / "results"))
     scores = scoreboard.scores_in(records)
-    texts = {"scoreboard": scoreboard.page(scores)} | claims.texts(scores, records)
+    board = scoreboard.page(scores, records, notebooks)
+    texts = {"scoreboard": board} | claims.texts(scores, records)
     for name, text in texts.items():
         (stage / "book" / f"{name}.md").write_text(text, "utf-8")
     laboratory.write(stage / "book" / "_static" / "laboratory")

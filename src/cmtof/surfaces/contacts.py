@@ -193,9 +193,7 @@ def _own_odds(found: Offsets, limits: Array, repeat: float) -> tuple[Numbers, Ar
     return base, np.log(np.where(inside, density, _OUTSIDE))
 
 
-def _agreement(
-    alone: Array, source: Numbers, target: Numbers, place: Numbers
-) -> Array:
+def _agreement(alone: Array, source: Numbers, target: Numbers, place: Numbers) -> Array:
     """Factor (2 B,) of the probability that surfaces meet: below one if their offsets forbid it.
 
     It is how much likelier their own offsets make the step of the border than any other.
