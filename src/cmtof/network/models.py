@@ -17,12 +17,10 @@ from cmtof.network.features import CLASSES, FEATURE_SETS, channels, padding
 from cmtof.network.layers import (
     Bottleneck,
     ImageNorm,
-    Normed,
     Pyramid,
     Residual,
     conv,
     resized,
-    scale_and_offset,
     separable,
 )
 
@@ -46,11 +44,11 @@ class Network(nn.Module):
     """Network from features (B, C, H, W) of any size to weights of classes (B, N, H, W).
 
     For the target ``"depth"`` to depth (B, 1, H, W), wraps above the first class; ``stride`` that
-    of the coarsest features, px, ``reach`` how far a pixel sees, a multiple of the stride.
+    of the coarsest features, px.
     """
 
     target = "wraps"
-    stride = reach = 1
+    stride = 1
 
     def __init__(self, model: Model, classes: int) -> None:
         super().__init__()
@@ -81,7 +79,6 @@ class FastSCNN(Network):
     """
 
     stride = 8
-    reach = 256
     stem_width = 32  # at full resolution
     head_width = 64
     down_widths = 48, 64  # at 1/2 and 1/4
@@ -131,16 +128,8 @@ class FastSCNN(Network):
         down = self.down(skip)  # (B, 64, H/4, W/4)
         deep = self.deep(self.pyramid(self.extract(down)))  # (B, 128, H/8, W/8)
         context = self.classify(functional.relu(resized(deep, down) + self.fine(down)))
-        return self.output(self.joined(context, skip))
-
-    def joined(self, context: Tensor, skip: Tensor) -> Tensor:
-        """Sum of the context, at full resolution, and the skip's convolution; norm, ReLU."""
-        if self.norm.training:
-            return functional.relu(self.norm(resized(context, skip) + self.skip(skip)))
-        scale, offset = (x.view(-1, 1, 1, 1) for x in scale_and_offset(self.norm))
-        context = (context * scale[..., 0] + offset[..., 0]).to(context.dtype)
-        fine = self.skip._conv_forward(skip, self.skip.weight * scale, None)
-        return functional.relu_(fine.add_(resized(context, skip)))
+        joined = resized(context, skip) + self.skip(skip)
+        return self.output(functional.relu(self.norm(joined)))
 
     @torch.no_grad()
     def see_the_beat(self, first: int) -> None:
@@ -218,14 +207,13 @@ class PublicFastSCNN(Network):
     """Fast-SCNN of the authors' public code: phases alone, no skip at full resolution."""
 
     stride = 8
-    reach = 256
     widths = 64, 64, 64, 64, 96, 96, 96, 128, 128, 128
     halved = 0, 3  # bottlenecks of stride 2
 
     def build(self) -> None:
         enter = nn.Conv2d(self.inputs, 32, 3, 2, bias=False)
         self.down = nn.Sequential(
-            Normed(enter, ImageNorm(32), nn.ReLU()),
+            nn.Sequential(enter, ImageNorm(32), nn.ReLU()),
             separable(32, 48, norm=ImageNorm),
             separable(48, 64, norm=ImageNorm),
         )
@@ -257,7 +245,6 @@ class UNet(Network):
     """U-Net (Ronneberger, Fischer and Brox 2015; 64 to 1024 wide there), with batch norms."""
 
     stride = 16
-    reach = 192
     widths = 24, 48, 72, 104, 128
 
     def build(self) -> None:
@@ -286,7 +273,6 @@ class OneStep(UNet):
     """One-step unwrapping (Wang, Li, Kemao, Di and Zhao 2019): a residual U-Net that regresses."""
 
     target = "depth"
-    reach = 256
     widths = 16, 32, 56, 72, 96
 
     def level(self, i: int, o: int) -> nn.Module:
@@ -301,7 +287,6 @@ class DeepToF(Network):
 
     target = "depth"
     stride = 4
-    reach = 96
 
     def build(self) -> None:
         self.stem = conv(self.inputs, 16, 7)
@@ -330,7 +315,6 @@ class Rapid(Network):
     """
 
     stride = 16
-    reach = 448
 
     def build(self) -> None:
         self.stem = conv(self.inputs, 32, stride=2)
