@@ -2,11 +2,10 @@
 
 import numpy as np
 import torch
-from numpy.testing import assert_allclose
 from pytest import mark
 
 from cmtof.correlation import TAU
-from cmtof.network.features import CLASSES, features
+from cmtof.network.features import features
 from cmtof.network.models import BEAT, MODELS, build_network, conv
 
 
@@ -43,26 +42,6 @@ def test_regression_spans_the_range_in_single_precision():
             layer.zero_()
         found = network(torch.randn(1, network.inputs, 32, 32))
     assert found.dtype == torch.float32 and (found == 179).all()
-
-
-@mark.parametrize(
-    ("protocol", "quarters"), [("released", (1, -1)), ("full", (0, 1, 2, 3))]
-)
-def test_fresh_stem_sees_the_beat(protocol, quarters):
-    """Means of the rectified filters follow |sin((b - beta)/2)|, whatever the phase."""
-    first, classes = CLASSES[protocol]
-    kernels = (
-        build_network("fast-scnn", protocol).stem[0].weight.detach()[:16, :, 1:2, 1:2]
-    )
-    beat = BEAT * np.linspace(first, first + classes, 7)[:, None]
-    low = np.random.default_rng(0).uniform(0, TAU, (7, 4000))
-    phase = torch.from_numpy(np.stack([low, (2 * low + beat) % TAU])).float()
-    inputs = features(phase, torch.full_like(phase, 3000.0))
-    seen = torch.relu(torch.nn.functional.conv2d(inputs, kernels))
-    means = seen.unflatten(0, (len(quarters), -1)).mean((1, 3))
-    beta = BEAT * (first + classes / 2) + TAU / 4 * np.array(quarters)
-    expected = 8 * 2 * np.abs(np.sin((beat - beta) / 2)).T / np.pi
-    assert_allclose(means, expected, rtol=0, atol=0.25)
 
 
 def test_path_to_the_pyramid_carries_the_beat_from_the_start():

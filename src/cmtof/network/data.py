@@ -173,23 +173,17 @@ Packs = tuple[Pack | None, Pack]  # to train and to validate on
 
 
 def pack_views(views: Sequence[Source]) -> Pack:
-    """Views in memory; one that is broken, empty, or of another size is left out with a warning."""
+    """Views of one size in memory; a broken one is left out with a warning."""
     depths = []
     lights = []
     for view in views:
         try:
-            depth = (frame := view.load()).depth
-            light = frame.intensity
-            shape = depths[0].shape if depths else depth.shape
-            if depth.shape != shape or not np.isfinite(depth).any():
-                raise ValueError(
-                    f"Expected depths of {shape} px, got {depth.shape} or none. Look at it."
-                )
+            frame = view.load()
         except (OSError, ValueError) as error:
             warnings.warn(f"{view.name} is left out. {error}", stacklevel=2)
             continue
-        depths.append(depth.astype(np.float32))
-        lights.append(np.clip(light, 0, 1).astype(np.float16))
+        depths.append(frame.depth.astype(np.float32))
+        lights.append(np.clip(frame.intensity, 0, 1).astype(np.float16))
     if not depths:
         raise ValueError(
             "Expected views to train and to validate on, got none. Render 10 scenes or more."
@@ -220,10 +214,13 @@ def open_rooms(config: Config, tree: Path | None, folder: Path) -> Packs:
 
 def _pack_of_leaves(config: Config) -> Pack:
     """Leaves to validate on."""
-    rngs = (np.random.default_rng([99, k]) for k in range(config.validation_views))
-    crops = [leaves(rng, config.stages[-1].crop, config.protocol) for rng in rngs]
-    depth, light = (np.stack(images) for images in zip(*crops, strict=True))
-    return Pack(depth, light, np.full(len(crops), RELEASED_FAR_DEPTH))
+    count = config.validation_views
+    side = config.stages[-1].crop
+    rngs = [np.random.default_rng([99, k]) for k in range(count)]
+    depth, light = np.stack(
+        [leaves(rng, side, config.protocol) for rng in rngs], axis=1
+    )
+    return Pack(depth, light, np.full(count, RELEASED_FAR_DEPTH))
 
 
 def room_crop(rng: np.random.Generator, pack: Pack, side: int, protocol: str) -> Crop:

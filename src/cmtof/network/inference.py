@@ -34,7 +34,6 @@ from cmtof.network.features import FULL_AMPLITUDE, features, padding
 from cmtof.network.weights import (
     FOLDER,
     Card,
-    Refused,
     find_weights,
     read_weights,
     refused,
@@ -65,8 +64,6 @@ class Ready:
 def read_graph(card: Card) -> bytes:
     """Graph of a model, an ONNX file without weights."""
     path = FOLDER / f"{card.model}.{card.protocol}.onnx.gz"
-    if not path.is_file():
-        raise Refused("no such model")
     return gzip.decompress(path.read_bytes())
 
 
@@ -210,14 +207,12 @@ def network_images(measurement: Measurement, kind: str) -> list[Single]:
 def _at_quadratures(dataset: xr.Dataset) -> Array:
     """Correlations (2, 4, H, W) at psi = 0, 1/2, 1 and 3/2 pi."""
     psi = dataset["psi"].to_numpy()[:2]
-    off = np.abs(centred(psi[:, :, None] - np.asarray(QUADRATURES)))
-    if not (off.min(1) <= 1e-6).all():
+    if psi.shape[1] != 4 or np.abs(centred(psi - QUADRATURES)).max() > 1e-6:
         raise ValueError(
             "Expected correlations at psi = 0, 1/2, 1 and 3/2 pi, which the network was trained "
             f"on, got psi = {np.round(psi[0], 3).tolist()} rad. Choose another method."
         )
-    held = dataset["correlation"].to_numpy()[:2]
-    return np.take_along_axis(held, off.argmin(1)[..., None, None], axis=1)
+    return dataset["correlation"].to_numpy()[:2]
 
 
 def about(ready: Ready) -> Texts:

@@ -50,10 +50,10 @@ def separable(i: int, o: int, stride: int = 1, norm=nn.BatchNorm2d) -> nn.Sequen
     )
 
 
-def resized(x: Tensor, like: Tensor) -> Tensor:
-    """Image at the size of another, bilinear, pixel centres at +0.5."""
+def resized(x: Tensor, like: Tensor, corners: bool = False) -> Tensor:
+    """Image at the size of another, bilinear, centres of pixels at +0.5, or corners on corners."""
     return functional.interpolate(
-        x, size=like.shape[-2:], mode="bilinear", align_corners=False
+        x, size=like.shape[-2:], mode="bilinear", align_corners=corners
     )
 
 

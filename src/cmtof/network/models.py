@@ -143,8 +143,6 @@ class FastSCNN(Network):
         middle = BEAT * (first + self.classes / 2)
         self._filter([middle + TAU / 4 * quarter for quarter in quarters])
         self._hand_on(len(quarters))
-        if len(quarters) > 2:
-            self._begin_alike()
 
     def _filter(self, betas: list[float]) -> None:
         """Half of the stem's filters: as many angles alpha for each beta."""
@@ -180,14 +178,6 @@ class FastSCNN(Network):
             for k in range(8):
                 kernel.weight[k, 0 if kernel.groups > 1 else k] = LARGE / size
             norm.bias[:8] = 2.0 if relu else 0.0
-
-    def _begin_alike(self) -> None:
-        """Classes near each other: smooth random functions of the place in the range."""
-        cycle = torch.arange(1, 65)
-        place = torch.arange(self.classes) + 0.5
-        codes = torch.randn(64, self.head_width) / (1 + (cycle[:, None] / 6) ** 2)
-        waves = torch.cos(torch.outer(place, cycle) * (TAU / 2 / self.classes))
-        self.output.weight[..., 0, 0] = 0.12 * waves @ codes
 
 
 class LightFastSCNN(FastSCNN):
@@ -236,9 +226,9 @@ class PublicFastSCNN(Network):
 
     def body(self, x: Tensor) -> Tensor:
         fine = self.down(x)  # (B, 64, H/2, W/2)
-        deep = self.deep(public.spread(self.extract(fine), fine))
+        deep = self.deep(resized(self.extract(fine), fine, corners=True))
         mixed = functional.relu(deep + self.fine(fine))
-        return public.spread(self.classify(mixed), x)
+        return resized(self.classify(mixed), x, corners=True)
 
 
 class UNet(Network):

@@ -101,11 +101,9 @@ def _views(trained: weights.Trained, examples: Sequence[Example]) -> list[tuple]
     views = [_view(trained, *example) for example in examples]
     views = [view for view in views if (view[1] != IGNORED).any()]
     if not views:
-        first = trained.card.first_wrap
         raise ValueError(
-            f"Expected labels among the wraps {first} to "
-            f"{first + trained.card.classes - 1}, got none in {len(examples)} measurements. "
-            "Choose other weights."
+            f"Expected labels among the wraps that {trained.card.model} distinguishes, "
+            f"got none in {len(examples)} measurements. Choose other weights."
         )
     return views
 
