@@ -26,7 +26,8 @@ def test_groups_that_are_not_orthogonal_step_as_with_adamw():
     kernel, offset, same = (Parameter(torch.randn(6, 4)) for _ in range(3))
     same.data.copy_(offset)
     before = kernel.detach().clone()
-    groups = [{"params": [kernel], "orthogonal": True}, {"params": [offset]}]
+    pairs = (kernel, True), (offset, False)
+    groups = [{"params": [weight], "orthogonal": turned} for weight, turned in pairs]
     steppers = Muon(groups, lr=0.01), torch.optim.AdamW([same], lr=0.01)
     for _ in range(5):
         for weight in (kernel, offset, same):

@@ -123,7 +123,6 @@ def unwrap_with_network(
     Returned are depth, m, and the probability of the chosen class, of a regression the share of
     right wraps in validation; both (H, W).
     """
-    first, last = wraps_in_range(measurement)
     ready = network_for(measurement, model, weights)
     card = ready.card
     if about(ready)["target"] == "depth":
@@ -133,7 +132,8 @@ def unwrap_with_network(
         depth = turns * wrap_length(FREQUENCIES[0])
         sure = np.full_like(depth, card.validation.delta_lt_1)
     else:
-        odds = scores(ready, measurement, first, last, mirrored)
+        odds = scores(ready, measurement, mirrored)
+        first, _ = wraps_in_range(measurement)
         depth = depth_from_wraps(
             measurement.phase[0], first + (odds == 0).argmax(0), FREQUENCIES[0]
         )
@@ -162,17 +162,12 @@ def network_for(
     return ready
 
 
-def scores(
-    ready: Ready,
-    measurement: Measurement,
-    first: int,
-    last: int,
-    mirrored: bool = False,
-) -> Single:
-    """Log-odds (N, H, W) of the wraps ``first <= n <= last`` against the likeliest of each pixel.
+def scores(ready: Ready, measurement: Measurement, mirrored: bool = False) -> Single:
+    """Log-odds (N, H, W) of the wraps in range against the likeliest of each pixel.
 
     Raises a ValueError if the network does not distinguish all of them.
     """
+    first, last = wraps_in_range(measurement)
     card = ready.card
     low = card.first_wrap
     stop = low + card.classes

@@ -62,7 +62,8 @@ def norms(network: nn.Module) -> list[nn.BatchNorm2d]:
 def optimizer_of(network: nn.Module, kind: str, rate: float = 1.0) -> Muon:
     """AdamW, or Muon for dense kernels alone: kernels of single channels and offsets have AdamW."""
     groups: list[Any] = [
-        {"params": [], "weight_decay": decay} for decay in (1e-3, 1e-3, 0.0)
+        {"params": [], "weight_decay": decay, "orthogonal": False}
+        for decay in (1e-3, 1e-3, 0.0)
     ]
     for weight in network.parameters():
         group = 2 if weight.ndim < 2 else int(weight.shape[1] == 1)
