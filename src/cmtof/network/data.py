@@ -138,8 +138,11 @@ def _plate_depth(
     if rng.uniform() > 0.85:
         level = rng.uniform(-min(25, first), 0)
     slope = (0.02 if first else 0.1) * np.exp(rng.normal())
-    bend = rng.normal(0, 2) * (rng.uniform() < 0.3) / size**2
-    return first + level + slope * _rotate(away, rng)[0] + bend * (away**2).sum(0)
+    bend = rng.normal(0, 2) / size**2
+    if rng.uniform() >= 0.3:
+        bend = 0.0
+    tilted = slope * _rotate(away, rng)[0]
+    return first + level + tilted + bend * (away**2).sum(0)
 
 
 def _plate_light(rng: np.random.Generator, pixels: Array, along: Array) -> Array:
@@ -149,7 +152,8 @@ def _plate_light(rng: np.random.Generator, pixels: Array, along: Array) -> Array
     kinds = (waves[0], np.sign(waves[0] * waves[1]), np.clip(along, -1, 1))
     contrast = rng.uniform(0, 0.8) * (rng.uniform() < 0.6)
     bright = 0.35 * np.exp(rng.normal(0, 1.1))
-    return bright * (1 + contrast * kinds[rng.integers(3)])
+    pattern = kinds[rng.integers(3)]
+    return bright * (1 + contrast * pattern)
 
 
 class Pack(NamedTuple):
@@ -237,7 +241,8 @@ def room_crop(rng: np.random.Generator, pack: Pack, side: int, protocol: str) ->
     turn = rng.integers(4)
     mirror = 1 - 2 * rng.integers(2)
     depth, light = (np.rot90(image, turn)[:, ::mirror] for image in best)
-    return depth, np.clip(light * np.exp(rng.uniform(-0.4, 0.4)), 0, 1)
+    brighter = np.exp(rng.uniform(-0.4, 0.4))
+    return depth, np.clip(light * brighter, 0, 1)
 
 
 def _draw_window(
@@ -279,7 +284,8 @@ class Steps(Dataset[Batch]):
                 crop = room_crop(rng, self.pack, stage.crop, self.config.protocol)
             else:
                 crop = leaves(rng, stage.crop, self.config.protocol)
-            crops.append((*crop, sigma * float(np.exp(rng.uniform(-0.2, 0.1))), rng))
+            varied = sigma * float(np.exp(rng.uniform(-0.2, 0.1)))
+            crops.append((*crop, varied, rng))
         return batch_of(crops, self.config.offset)
 
 

@@ -34,9 +34,6 @@ FEATURE_SETS: dict[str, tuple[str, ...]] = {
     "correlation": ("correlation",),
 }
 
-# Images of a kind for each frequency; one of the others.
-IMAGES = {"fourier": 2 * (ORDER + 1), "edges": 4, "correlation": 4}
-
 # Where a pixel's neighbours lie: rows above and columns to the left.
 NEIGHBOURS = ((0, 1), (1, 0), (1, 1), (-1, 1))
 
@@ -54,7 +51,8 @@ def padding(size: int, stride: int) -> int:
 
 def channels(name: str) -> int:
     """Number of channels of a set of features."""
-    return 2 * sum(IMAGES.get(kind, 1) for kind in FEATURE_SETS[name])
+    pixel = np.zeros((2, 1, 1))
+    return len(features(pixel, pixel, name, np.zeros((2, 4, 1, 1))))
 
 
 def features(
