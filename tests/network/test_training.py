@@ -12,8 +12,8 @@ import cmtof
 from cmtof.correlation import TAU
 from cmtof.files import alone
 from cmtof.network import tuning
-from cmtof.network.data import WRAP, open_rooms
-from cmtof.network.losses import IGNORED
+from cmtof.network.data import open_rooms
+from cmtof.network.losses import IGNORED, WRAP
 from cmtof.network.recipe import PRESETS, read_config
 from cmtof.network.training import Unwrapping, train
 from cmtof.network.tuning import fine_tune

@@ -13,18 +13,15 @@ from torch import Tensor
 from torch.utils.data import Dataset
 
 from cmtof.constants import FREQUENCIES, GAIN, INTEGRATION_TIME, SPEED_OF_LIGHT
-from cmtof.correlation import TAU, wrap_length
+from cmtof.correlation import TAU
 from cmtof.frame import Source
 from cmtof.hypersim import Hypersim
 from cmtof.measurement import unambiguous_range
 from cmtof.network.features import CLASSES, features
-from cmtof.network.losses import IGNORED
+from cmtof.network.losses import IGNORED, WRAP
 from cmtof.network.recipe import Config
 from cmtof.simulation import RELEASED_FAR_DEPTH, released_scale
 from cmtof.types import Array, Arrays
-
-# Depth of a wrap of the lower frequency, m.
-WRAP = float(wrap_length(FREQUENCIES[0]))
 
 # Depth, m (NaN where unknown), and linear intensity, 0 to 1.
 Crop = Arrays

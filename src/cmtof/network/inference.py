@@ -9,6 +9,7 @@ import os
 from dataclasses import dataclass, field
 from functools import lru_cache
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 import xarray as xr
@@ -219,16 +220,13 @@ def output(ready: Ready, measurement: Measurement, mirrored: bool = False) -> Si
     """Output (C, H, W) of a network for a measurement, or its mean over four mirror images."""
     kind = about(ready)["features"]
     images = network_images(measurement, kind)
-
-    def answer(mirror):
+    mirrors = MIRRORS if mirrored else MIRRORS[:1]
+    found: Any = 0
+    for mirror in mirrors:
         phase, amplitude, *more = (image[mirror] for image in images)
-        return run_padded(ready, features(phase, amplitude, kind, *more)[None])[mirror]
-
-    found = answer(())
-    if mirrored:
-        for mirror in MIRRORS[1:]:
-            found += answer(mirror)
-        found /= len(MIRRORS)
+        inputs = features(phase, amplitude, kind, *more)[None]
+        found += run_padded(ready, inputs)[mirror]
+    found /= len(mirrors)
     return found
 
 

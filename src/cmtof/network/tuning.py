@@ -13,10 +13,10 @@ from cmtof.constants import FREQUENCIES
 from cmtof.correlation import TAU
 from cmtof.measurement import Measurement
 from cmtof.network import weights
-from cmtof.network.data import WRAP, Sample
+from cmtof.network.data import Sample
 from cmtof.network.features import features
 from cmtof.network.inference import network_images
-from cmtof.network.losses import IGNORED
+from cmtof.network.losses import IGNORED, WRAP
 from cmtof.network.models import Network
 from cmtof.network.training import (
     average_into,
