@@ -1,6 +1,7 @@
 """Inputs of a network, of NumPy or torch, made from a measurement (Fig. 5, Eq. 5); its classes."""
 
 import sys
+from collections.abc import Iterable
 from typing import Any
 
 import numpy as np
@@ -34,6 +35,9 @@ FEATURE_SETS: dict[str, tuple[str, ...]] = {
     "correlation": ("correlation",),
 }
 
+# Images of a kind for each frequency; one of the others.
+IMAGES = {"fourier": 2 * (ORDER + 1), "edges": 4, "correlation": 4}
+
 # Where a pixel's neighbours lie: rows above and columns to the left.
 NEIGHBOURS = ((0, 1), (1, 0), (1, 1), (-1, 1))
 
@@ -51,8 +55,7 @@ def padding(size: int, stride: int) -> int:
 
 def channels(name: str) -> int:
     """Number of channels of a set of features."""
-    pixel = np.zeros((2, 1, 1))
-    return len(features(pixel, pixel, name, np.zeros((2, 4, 1, 1))))
+    return 2 * sum(IMAGES.get(kind, 1) for kind in FEATURE_SETS[name])
 
 
 def features(
@@ -69,18 +72,37 @@ def features(
             "Keep them, or choose another."
         )
     xp = _namespace(phase)
-    kinds = {
-        "phase": lambda: phase / TAU,
-        "fourier": lambda: fourier_features(phase),
-        "edges": lambda: phase_edges(phase),
+
+    def beat() -> Iterable[Array]:
+        angle = phase[..., 1, :, :] - 2 * phase[..., 0, :, :]
+        weight = xp.sqrt(amplitude.prod(-3)) / FULL_AMPLITUDE
+        return [xp.stack([weight * xp.cos(angle), weight * xp.sin(angle)], -3)]
+
+    def scaled() -> Iterable[Array]:  # Su et al. 2018; dark ones less
+        scale = xp.sqrt(amplitude * amplitude + (FULL_AMPLITUDE / 20) ** 2)
+        return xp.moveaxis(correlation, -3, 0) / scale
+
+    made = {
+        "phase": lambda: [phase / TAU],
+        "fourier": lambda: _octaves(phase, ORDER),
+        "edges": lambda: _edges(phase),
         # as usual at the paper's gain
-        "amplitude": lambda: (xp.log1p(amplitude) - 7.5) / 0.8,
-        "beat": lambda: _beat(phase, amplitude),
-        "correlation": lambda: _scaled(correlation, amplitude),
+        "amplitude": lambda: [(xp.log1p(amplitude) - 7.5) / 0.8],
+        "beat": beat,
+        "correlation": scaled,
     }
-    *batch, _, height, width = phase.shape
-    images = [kinds[kind]() for kind in FEATURE_SETS[name]]
-    return xp.concatenate([x.reshape(*batch, -1, height, width) for x in images], -3)
+    found = xp.empty(
+        (*phase.shape[:-3], channels(name), *phase.shape[-2:]),
+        dtype=phase.dtype,
+        device=phase.device,
+    )
+    used = 0
+    for kind in FEATURE_SETS[name]:
+        count = IMAGES.get(kind, 1)
+        for k, pair in enumerate(made[kind]()):
+            found[..., used + k : used + 2 * count : count, :, :] = pair
+        used += 2 * count
+    return found
 
 
 def fourier_features(phase: Array, order: int = ORDER) -> Array:
@@ -89,14 +111,19 @@ def fourier_features(phase: Array, order: int = ORDER) -> Array:
     They are :math:`\cos 2^k\hat\varphi, \sin 2^k\hat\varphi` for k = 0 to the order. Each octave is
     the square of the phasor below it.
     """
+    return _namespace(phase).stack([*_octaves(phase, order)], -3)
+
+
+def _octaves(phase: Array, order: int) -> Iterable[Array]:
+    """Cosines and sines of phases and of their multiples by powers of two."""
     xp = _namespace(phase)
     cosine = xp.cos(phase)
     sine = xp.sin(phase)
-    images = [cosine, sine]
-    for _ in range(order):
-        cosine, sine = (cosine - sine) * (cosine + sine), 2 * cosine * sine
-        images += [cosine, sine]
-    return xp.stack(images, -3)
+    for k in range(order + 1):
+        if k:
+            cosine, sine = (cosine - sine) * (cosine + sine), 2 * cosine * sine
+        yield cosine
+        yield sine
 
 
 def phase_edges(phase: Array) -> Array:
@@ -108,31 +135,19 @@ def phase_edges(phase: Array) -> Array:
     >>> phase_edges(np.array([[4.0, 5.0, 6.0, 7.0 - TAU]]))[0].round(6).tolist()
     [[0.0, 1.0, 1.0, 1.0]]
     """
+    return _namespace(phase).stack([*_edges(phase)], -3)
+
+
+def _edges(phase: Array) -> Iterable[Array]:
+    """Differences of phases from each of their neighbours."""
     xp = _namespace(phase)
-    edges = []
     for down, right in NEIGHBOURS:
         edge = phase - xp.roll(phase, (down, right), (-2, -1))
         edge -= TAU * xp.round(edge / TAU)
         if down:
             edge[..., min(0, down), :] = 0
         edge[..., :right] = 0
-        edges.append(edge)
-    return xp.stack(edges, -3)
-
-
-def _beat(phase: Array, amplitude: Array) -> Array:
-    """Phasor of the beat (..., 2, H, W), its length one for a white surface."""
-    xp = _namespace(phase)
-    angle = phase[..., 1, :, :] - 2 * phase[..., 0, :, :]
-    weight = xp.sqrt(amplitude.prod(-3)) / FULL_AMPLITUDE
-    return xp.stack([weight * xp.cos(angle), weight * xp.sin(angle)], -3)
-
-
-def _scaled(correlation: Array, amplitude: Array) -> Array:
-    """Correlations over amplitudes (Su et al. 2018), those of dark pixels less."""
-    dark = FULL_AMPLITUDE / 20
-    scale = _namespace(amplitude).sqrt(amplitude * amplitude + dark**2)
-    return correlation / scale[..., None, :, :]
+        yield edge
 
 
 def _namespace(array: Array) -> Any:
