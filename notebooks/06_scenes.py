@@ -64,7 +64,7 @@ plotting.save(
 # %% [markdown]
 # A seed determines floor plan, furniture, objects, lamps, windows and the sun; Embree
 # ([Wald et al. 2014](../book/references.bib#wald2014)) traces the rays. Cameras stand where a
-# person could; one view in twenty is a close one. Intensities are linear. `cmtof render`
+# person could; one view in ten is a close view of an object. Intensities are linear. `cmtof render`
 # writes such sets to disk in Hypersim's own layout; the same seed gives the same bytes. Range is
 # exact to single precision.
 

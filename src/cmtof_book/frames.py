@@ -21,7 +21,7 @@ def view_across(index: int, settings: Settings) -> Frame:
     """First view across the room of that number."""
     room = build_room(settings.seed, index)
     lens = settings.lens(index)
-    pose = room.cameras(settings.views, lens)[0]
+    pose = room.cameras(settings.views, lens)["cam_00"][0]
     return frame_of(render_view(room, pose, lens, 0), lens, f"{room.name}/cam_00")
 
 

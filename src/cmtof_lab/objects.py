@@ -19,10 +19,10 @@ from trimesh.creation import box, cylinder, icosphere, torus
 from trimesh.transformations import rotation_matrix
 from trimesh.util import concatenate
 
-from cmtof.types import Array, Fields, Numbers, Shape, Values
+from cmtof.types import Array, Fields, Shape, Values
 from cmtof_lab import finishes
 from cmtof_lab.finishes import CATALOGUE
-from cmtof_rooms.solids import mesh_from
+from cmtof_rooms.solids import cells_of, mesh_from, triangles_of
 
 STEEL = 0.58  # reflectance of polished or lapped steel (known: 0.55 to 0.6)
 DISTANCE = 0.9  # from the instrument to the middle of an object, m
@@ -222,21 +222,14 @@ def _lathed(sections: Array, stated: Fields) -> Trimesh:
         x *= grow
         y *= grow
     points = np.stack([x, y, z], axis=-1).reshape(-1, 3)
-    corners = _cells(x.shape)
+    number = np.arange(x.size).reshape(x.shape)
+    ring = np.hstack([number, number[:, :1]])
+    corners = cells_of(ring)[..., [0, 3, 2, 1]].reshape(-1, 4)
     if "holes" in stated:
         middles = points[corners].mean(1)
         opened = getattr(finishes, stated["holes"])(*middles.T)
         corners = corners[~opened]
-    halves = [corners[:, :3], corners[:, [0, 2, 3]]]
-    return mesh_from(points, np.concatenate(halves))
-
-
-def _cells(grid: Shape) -> Numbers:
-    """Corners (N, 4) of the cells of a grid of numbered points that closes along its rows."""
-    number = np.arange(np.prod(grid)).reshape(grid)
-    right = np.roll(number, -1, axis=1)
-    corners = [number[:-1], right[:-1], right[1:], number[1:]]
-    return np.stack(corners, -1).reshape(-1, 4)
+    return mesh_from(points, triangles_of(corners))
 
 
 def _skin(sections: Array, grid: Shape) -> tuple[Array, Array, Array]:

@@ -4,13 +4,10 @@ from collections.abc import Callable
 from typing import NamedTuple
 
 import numpy as np
-from scipy.ndimage import distance_transform_edt, map_coordinates
+from scipy.ndimage import distance_transform_edt
 
-from cmtof.types import Array, Flags
+from cmtof.types import Array, Flags, Numbers
 from cmtof_rooms.engine import sphere_of_directions
-
-PLACES = 10
-"""Places along each axis of a room."""
 
 RAYS = 64
 """Directions in which light is asked for from each place."""
@@ -22,8 +19,10 @@ Look = Callable[[Array, Array], tuple[Array, Flags]]
 class Bounce(NamedTuple):
     """Irradiance at places of a grid, on faces towards +x, -x, +y, -y, +z, -z."""
 
-    space: Array
-    """Lowest and highest corner of the grid (2, 3), m."""
+    low: Array
+    """Lowest corner of the grid (3,), m."""
+    high: Array
+    """Highest corner (3,), m."""
     light: Array
     """(X, Y, Z, 6, 3)."""
 
@@ -35,18 +34,26 @@ class Bounce(NamedTuple):
         position, normal : ndarray of float32, shape (N, 3)
             m, and unit vectors.
         """
-        low, high = self.space
-        share = np.clip((position - low) / (high - low), 0, 1)
+        cell, far = self._cells(position)
         found = np.zeros(position.shape, np.float32)
         for axis in range(3):
-            part = normal[:, axis] ** 2
-            some = np.flatnonzero(part > 1e-3)
+            share = normal[:, axis] ** 2
+            some = np.flatnonzero(share > 1e-3)
             side = 2 * axis + (normal[some, axis] < 0)
-            place = [*((PLACES - 1) * share[some]).T, side]
-            for colour in range(3):
-                light = map_coordinates(self.light[..., colour], place, order=1)
-                found[some, colour] += part[some] * light
+            for corner in np.ndindex(2, 2, 2):
+                weight = np.where(corner, far[some], 1 - far[some]).T
+                weighted = share[some] * weight[0] * weight[1] * weight[2]
+                place = (*(cell[some] + corner).T, side)
+                found[some] += weighted[:, None] * self.light[place]
         return found
+
+    def _cells(self, position: Array) -> tuple[Numbers, Array]:
+        """Cell (N, 3) of the grid that each place lies in, and how far in it, 0 to 1, (N, 3)."""
+        cells = np.array(self.light.shape[:3]) - 1
+        span = np.maximum(self.high - self.low, 1e-3)
+        place = np.clip((position - self.low) / span, 0, 1) * cells.astype(np.float32)
+        cell = np.minimum(place.astype(np.int32), cells - 1)
+        return cell, place - cell
 
 
 def measure_bounce(space: Array, look: Look) -> Bounce:
@@ -60,8 +67,13 @@ def measure_bounce(space: Array, look: Look) -> Bounce:
         See `Look`; without lamps and sky, whose light is direct.
     """
     low, high = space
-    grid = np.indices([PLACES] * 3).reshape(3, -1).T / (PLACES - 1)
-    places = (low + grid * (high - low)).astype(np.float32)
+    axes = _grid_axes(low, high)
+    shape = [len(axis) for axis in axes]
+    places = (
+        np.stack(np.meshgrid(*axes, indexing="ij"), -1)
+        .reshape(-1, 3)
+        .astype(np.float32)
+    )
     rays = sphere_of_directions(RAYS)
     origins = np.repeat(places, RAYS, axis=0)
     radiance, behind = look(origins, np.tile(rays, (len(places), 1)))
@@ -71,11 +83,27 @@ def measure_bounce(space: Array, look: Look) -> Bounce:
         radiance.reshape(-1, RAYS, 3),
         faces * (4 / RAYS),
     )
-    shape = [PLACES] * 3
-    inside = behind.reshape(*shape, RAYS).mean(axis=-1) > 0.25
-    # a place inside a solid takes the light of its nearest neighbour outside
-    nearest = distance_transform_edt(
-        inside, return_distances=False, return_indices=True
+    inside = behind.reshape(-1, RAYS).sum(axis=1) > RAYS / 4
+    return Bounce(
+        low,
+        high,
+        _filled(light.reshape(*shape, 6, 3), inside.reshape(shape)),
     )
-    light = light.reshape(*shape, 6, 3)[tuple(np.asarray(nearest))]
-    return Bounce(space, light.astype(np.float32))
+
+
+def _grid_axes(low: Array, high: Array) -> list[Array]:
+    """Places along x, y and z, m: 2 to 15 of them, 0.7 m apart or more."""
+    size = high - low
+    step = max(0.7, size.max() / 14)
+    counts = np.clip(np.round(size / step).astype(int) + 1, 2, 15)
+    return [np.linspace(*limits) for limits in zip(low, high, counts, strict=True)]
+
+
+def _filled(light: Array, inside: Flags) -> Array:
+    """Light of a grid; a place inside a solid takes that of its nearest neighbour outside."""
+    if inside.any() and not inside.all():
+        nearest = distance_transform_edt(
+            inside, return_distances=False, return_indices=True
+        )
+        light = light[tuple(np.asarray(nearest))]
+    return light.astype(np.float32)

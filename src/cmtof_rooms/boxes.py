@@ -9,7 +9,6 @@ from cmtof.types import Array
 from cmtof_rooms.arrays import Vector
 
 Limit = Any  # A number, m, or an array of them where a `Box` stands for several
-EDGE = 1e-6  # m that rectangles may share
 
 
 class Rectangle(NamedTuple):
@@ -53,7 +52,7 @@ class Rectangle(NamedTuple):
         """Whether another rectangle lies within this one."""
         return bool((self.start <= other.start).all() and (other.end <= self.end).all())
 
-    def meets(self, others: Iterable["Rectangle"]) -> bool:
+    def meets(self, others: Iterable["Rectangle"], gap: float = 1e-6) -> bool:
         """Whether it shares more than an edge with one of several others.
 
         >>> Rectangle(0, 1, 0, 1).meets([Rectangle(1, 2, 0, 1)])
@@ -63,7 +62,7 @@ class Rectangle(NamedTuple):
         """
         x0, x1, y0, y1 = self
         return any(
-            x0 < b - EDGE and a < x1 - EDGE and y0 < d - EDGE and c < y1 - EDGE
+            x0 < b - gap and a < x1 - gap and y0 < d - gap and c < y1 - gap
             for a, b, c, d in others
         )
 
@@ -127,6 +126,15 @@ class Box(NamedTuple):
         """
         limits = {name: self._inside(name, margin) for name, margin in margins.items()}
         return self._replace(**limits)
+
+    def layer(self, side: str, thickness: float) -> "Box":
+        """Layer of a thickness, m, at one side: the one of limit ``x0``, ``x1``, ``y0``, ...
+
+        >>> Box.standing((2.0, 1.0, 3.0)).layer("z1", 0.5)
+        Box(x0=-1.0, x1=1.0, y0=-0.5, y1=0.5, z0=2.5, z1=3.0)
+        """
+        opposite = side.translate({ord("0"): "1", ord("1"): "0"})
+        return self._replace(**{opposite: self._inside(side, thickness)})
 
     def _inside(self, side: str, distance: float) -> Limit:
         """Place at a distance, m, inside one limit."""

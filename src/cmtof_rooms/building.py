@@ -12,7 +12,7 @@ from cmtof_rooms.openings import (
     add_windows,
 )
 from cmtof_rooms.shell import Shell, Wall
-from cmtof_rooms.solids import slab
+from cmtof_rooms.solids import sheet, slab
 from cmtof_rooms.things import Part, level_light
 
 
@@ -125,14 +125,17 @@ def _add_slopes(kit: Kit, shell: Shell) -> None:
     depth = shell.depth
     height = shell.height
     plaster = kit.material("ceiling")
-    reach = shell.reach(height, height + 0.02)
+    reach = shell.reach(0.0, height)
     for way in (1, -1) if kit.chance(0.5) else (1,):
         share, low = kit.draw("slope")
         start = depth * (0.5 + way * share)
         fall = (height - low) / abs((depth if way > 0 else 0.0) - start)
-        y0, y1 = (start, reach.y1) if way > 0 else (reach.y0, start)
-        roof = slab(*reach.cut(y0=y0, y1=y1))
-        roof.vertices[:, 2] -= fall * np.abs(roof.vertices[:, 1] - start)
+        end = reach.y1 if way > 0 else reach.y0
+        x, y = np.meshgrid([reach.x0, reach.x1], [start, end], indexing="ij")
+        roof = sheet(
+            np.stack([x, y, height - fall * np.abs(y - start)], -1),
+            0.02,
+        )
         shell.add("slope", Part(roof, plaster))
         shell.eaves.append((way, start, fall))
 
@@ -145,7 +148,10 @@ def _add_beams(kit: Kit, shell: Shell) -> None:
     middles = shell.width / count * (np.arange(count) + 0.5)
     space = Box(0, 0, 0, shell.depth, shell.height - thickness, shell.height)
     beams = space.bars("x", middles, thickness / 3)
-    shell.add("beams", Part(slab(*beams), wood))
+    shell.add(
+        "beams",
+        *[Part(slab(*beam), wood) for beam in beams.singles()],
+    )
     shell.lowest = thickness
 
 
@@ -158,6 +164,6 @@ def _add_skirting(kit: Kit, shell: Shell) -> None:
         cuts = sorted((taken.x0, taken.x1) for taken in wall.taken if taken.y0 < height)
         ends = np.array([0.0, *np.ravel(cuts), wall.length]).reshape(-1, 2)
         for start, end in ends[ends[:, 1] > ends[:, 0] + 0.05]:
-            board = Box(start, end, -0.014, 0.0, 0.0, height)
-            parts.append(wall.part(paint, board))
-    shell.add("skirting", *parts)
+            parts += wall.parts(paint, Box(start, end, -0.014, 0.0, 0.0, height))
+    if parts:
+        shell.add("skirting", *parts)

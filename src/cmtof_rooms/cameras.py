@@ -1,17 +1,15 @@
-"""Where cameras stand: as people do in a room, and close to things."""
+"""Where cameras stand: as people do in a room, and close to things at 0.5 to 1.2 m."""
 
-from collections.abc import Sequence
 from typing import NamedTuple
 
 import numpy as np
 from numpy.random import Generator
 
 from cmtof.frame import rays_from_camera
-from cmtof.types import Array, Shape
+from cmtof.types import Array, Arrays, Flags, Numbers, Shape
 from cmtof_rooms.boxes import Rectangles
 from cmtof_rooms.engine import sphere_of_directions
 from cmtof_rooms.interior import Interior
-from cmtof_rooms.solids import turn_about_z
 
 TRIES = 28  # places drawn for each view
 
@@ -70,12 +68,19 @@ def look_at(position: Array, target: Array, roll: float = 0.0) -> Camera:
     back = back / np.linalg.norm(back)
     right = np.cross([0.0, 0.0, 1.0], back)
     right /= np.linalg.norm(right)
-    axes = np.stack([right, np.cross(back, right), back], -1)
-    return Camera(position, axes @ turn_about_z(-roll))
+    up = np.cross(back, right)
+    cosine = np.cos(roll)
+    sine = np.sin(roll)
+    axes = [
+        cosine * right + sine * up,
+        cosine * up - sine * right,
+        back,
+    ]
+    return Camera(position, np.stack(axes, -1))
 
 
 def room_cameras(
-    close: Sequence[bool],
+    count: int,
     interior: Interior,
     lens: Lens,
     *,
@@ -92,8 +97,8 @@ def room_cameras(
 
     Parameters
     ----------
-    close : sequence of bool
-        Whether each view is taken from 0.5 to 1.2 m before what it shows.
+    count : int
+        How many views.
     interior : Interior
     lens : Lens
     floor : list of Rectangle
@@ -103,22 +108,11 @@ def room_cameras(
     rng : Generator
     """
     views = []
-    for near in close:
+    for _ in range(count):
         wanted = MIDDLE * np.exp(SPREAD * rng.normal())
         drawn = [_across(floor, height, rng) for _ in range(TRIES)]
-        if near:
-            wanted = 0.85  # m
-            drawn = [_approached(camera, interior, rng) for camera in drawn]
         views.append(_best(drawn, wanted, interior, lens, views))
     return views
-
-
-def _approached(camera: Camera, interior: Interior, rng: Generator) -> Camera:
-    """Camera that was moved on to what it looks at."""
-    ahead = -camera.orientation[:, 2].astype(np.float32)
-    seen = interior.meet(camera.position[None], ahead[None])
-    way = (seen.distance[0] - rng.uniform(*_CLOSE)) * ahead
-    return camera._replace(position=camera.position + way)
 
 
 def _across(floor: Rectangles, height: float, rng: Generator) -> Camera:
@@ -131,9 +125,60 @@ def _across(floor: Rectangles, height: float, rng: Generator) -> Camera:
     heading = rng.uniform(0, 2 * np.pi)
     if rng.uniform() < SQUARE:
         heading = np.pi / 2 * rng.integers(4) + rng.normal(0, 0.05)
-    rise = np.tan(np.radians(rng.normal(-4, 5)))
-    ahead = [np.cos(heading), np.sin(heading), rise]
+    ahead = _direction(heading, np.radians(rng.normal(-4, 5)))
     return look_at(eye, eye + ahead, np.radians(rng.normal(0, 1.0)))
+
+
+def _direction(heading: float, rise: float) -> Array:
+    """Array (3,), one long seen from above, of a heading and an angle of rise, rad."""
+    return np.array([np.cos(heading), np.sin(heading), np.tan(rise)])
+
+
+def close_cameras(
+    count: int,
+    interior: Interior,
+    lens: Lens,
+    *,
+    things: Numbers,
+    rng: Generator,
+) -> Cameras:
+    """Views of single things from 0.5 to 1.2 m away.
+
+    Parameters
+    ----------
+    count : int
+        How many views.
+    interior : Interior
+    lens : Lens
+    things : ndarray of int
+        Numbers of the things, from 1 on.
+    rng : Generator
+    """
+    middles = _middles(interior, things)
+    views = []
+    for _ in range(count):
+        wanted = rng.uniform(0.6, _CLOSE[1])
+        drawn = [_close(middles, rng) for _ in range(TRIES)]
+        views.append(_best(drawn, wanted, interior, lens, views))
+    return views
+
+
+def _close(middles: Array, rng: Generator) -> Camera:
+    """Draw a camera close to one of several things, given by their middles (N, 3), m."""
+    target = middles[rng.integers(len(middles))] + rng.normal(0, 0.05, 3)
+    away = _direction(rng.uniform(0, 2 * np.pi), np.radians(rng.uniform(0, 45)))
+    eye = target + away / np.linalg.norm(away) * rng.uniform(*_CLOSE)
+    return look_at(eye, target, np.radians(rng.normal(0, 3)))
+
+
+def _middles(interior: Interior, things: Numbers) -> Array:
+    """Middles (N, 3) of things of 0.1 to 1.6 m; of all where there are none."""
+    boxes = np.stack([interior.things[number - 1].bounds for number in things])
+    low, high = boxes.swapaxes(0, 1)
+    size = (high - low).max(axis=1)
+    fit = (size > 0.1) & (size < 1.6)
+    middles = (low + high) / 2
+    return middles[fit] if fit.any() else middles
 
 
 def _best(
@@ -144,27 +189,15 @@ def _best(
     chosen: Cameras,
 ) -> Camera:
     """The candidate with air around it, enough to see, and a median range nearest ``wanted``."""
-    off = [
-        _off(camera, wanted, interior, lens)
-        + 0.8 * max((_likeness(camera, one) for one in chosen), default=0.0)
-        for camera in candidates
-    ]
-    return candidates[np.argmin(np.round(off, 4))]
-
-
-def _off(camera: Camera, wanted: float, interior: Interior, lens: Lens) -> float:
-    """How far a camera is from what is wanted, by what it sees and by what stands around it."""
-    rays = _probes(camera, lens)
-    seen = interior.meet(np.broadcast_to(camera.position, rays.shape), rays)
-    distance = np.where(seen.part >= 0, seen.distance, _FAR)
-    pictured, around = np.split(distance, [_PROBE**2])
-    things = np.unique(interior.instance[seen.part[: _PROBE**2]])
-    off = abs(np.log(max(np.median(pictured), 0.05) / wanted))
-    off += 0.15 * max(0, 9 - things.size)  # bare walls are rarely photographed
-    off += 20.0 * (np.quantile(pictured, 0.02) < 0.45)
-    off += 2.0 * max(0.0, np.mean(pictured == _FAR) - 0.1)
-    off += 50.0 * (around.min() < _AIR)
-    return off + 200.0 * (seen.behind.mean() > 0.02)
+    sight = _sight(candidates, interior, lens)
+    seen = sight.distance
+    off = np.abs(np.log(np.maximum(np.median(seen, axis=1), 0.05) / wanted))
+    off += 0.15 * np.maximum(0, 9 - sight.things)  # bare walls are rarely photographed
+    off += 20.0 * (np.quantile(seen, 0.02, axis=1) < 0.45)
+    off += 2.0 * np.maximum(0.0, (seen == _FAR).mean(axis=1) - 0.1)
+    crowded = 50.0 * (sight.air < _AIR)
+    off += crowded + 200.0 * sight.inside + 0.8 * _likeness(candidates, chosen)
+    return candidates[np.argmin(off.round(4))]
 
 
 def _probes(camera: Camera, lens: Lens) -> Array:
@@ -174,9 +207,47 @@ def _probes(camera: Camera, lens: Lens) -> Array:
     return np.vstack([pictured, sphere_of_directions(_AROUND)])
 
 
-def _likeness(one: Camera, other: Camera) -> float:
-    """How much two views are the same: 1 from the same place and way."""
-    apart = np.linalg.norm(one.position - other.position) / 2.0
-    facing = one.orientation[:, 2] @ other.orientation[:, 2]
-    turned = np.arccos(np.clip(facing, -1, 1)) / 0.7
-    return float(np.exp(-(apart**2) - turned**2))
+class _Sight(NamedTuple):
+    """What N candidates see."""
+
+    distance: Array  # along rays of the picture, (N, K), m
+    air: Array  # free distance around, (N,), m
+    inside: Flags  # whether they stand in a solid, (N,)
+    things: Numbers  # how many things are in the picture, (N,)
+
+
+def _sight(candidates: Cameras, interior: Interior, lens: Lens) -> _Sight:
+    """Look through coarse pictures of candidates, and around them."""
+    count = len(candidates)
+    rays = np.concatenate([_probes(camera, lens) for camera in candidates])
+    eyes = _poses(candidates)[0].astype(np.float32)
+    hits = interior.tracer.nearest(np.repeat(eyes, len(rays) // count, axis=0), rays)
+    met = hits.triangle >= 0
+    distance = np.where(met, hits.distance, _FAR).reshape(count, -1)
+    facing = np.einsum("ij,ij->i", interior.normals[hits.triangle], rays)
+    behind = met & (facing > 0)  # the back of a surface: inside a solid
+    thing = np.where(met, interior.thing_of(hits.triangle), 0).reshape(count, -1)
+    return _Sight(
+        distance[:, :-_AROUND],
+        distance[:, -_AROUND:].min(axis=1),
+        behind.reshape(count, -1).mean(axis=1) > 0.02,
+        np.array([len(np.unique(row)) for row in thing[:, :-_AROUND]]),
+    )
+
+
+def _likeness(candidates: Cameras, chosen: Cameras) -> Array:
+    """How much each candidate (N,) repeats a view chosen before: 1 from the same place and way."""
+    if not chosen:
+        return np.zeros(len(candidates))
+    place, way = _poses(candidates)
+    other_place, other_way = _poses(chosen)
+    apart = np.linalg.norm(place[:, None] - other_place, axis=-1) / 2.0
+    turned = np.arccos(np.clip(way @ other_way.T, -1, 1))
+    return np.exp(-(apart**2) - (turned / 0.7) ** 2).max(axis=1)
+
+
+def _poses(cameras: Cameras) -> Arrays:
+    """Positions (N, 3) and backward axes (N, 3) of cameras."""
+    positions = [camera.position for camera in cameras]
+    orientations = [camera.orientation for camera in cameras]
+    return np.stack(positions), np.stack(orientations)[..., 2]

@@ -11,57 +11,57 @@ from trimesh import Trimesh
 
 from cmtof.types import Array
 from cmtof_rooms.boxes import Box, Rectangle
-from cmtof_rooms.kit import Kit, Piece, Top
+from cmtof_rooms.kit import Kit, Piece, Solids, Top
 from cmtof_rooms.materials import Material
 from cmtof_rooms.presets import presets
-from cmtof_rooms.solids import ball, bar, mesh_from, move, revolution, scaled, slab
+from cmtof_rooms.solids import (
+    ball,
+    box,
+    ellipse,
+    extrusion,
+    move,
+    revolution,
+    sheet,
+    slab,
+    sweep,
+)
 from cmtof_rooms.things import level_light
 
-THIN = 0.006  # thickness of a fabric, m
 
-
-def panel(kit: Kit, space: Box) -> Piece:
-    """A panel under the ceiling that shines."""
-    half = min(space.x1, space.y1)
-    yield level_light((0, 0, -0.01), half, half, 1.0)
-    yield _glow(kit), space
-
-
-def _glow(kit: Kit) -> Material:
-    """Draw the material of a lamp's shade."""
-    return kit.material("shade")._replace(emission=1.0)
-
-
-def lamp(kit: Kit, space: Box, *, hangs: bool = False) -> Piece:
-    """A lamp on a stand, or a pendant on its cord."""
+def lamp(kit: Kit, space: Box, *, style: str = "stand") -> Piece:
+    """A lamp on a stand, a pendant on its cord, or a panel under the ceiling."""
     height = space.z1
     radius = min(space.x1, space.y1)
-    glow = _glow(kit)
+    shade = kit.material("shade")._replace(emission=1.0)
+    if style == "panel":
+        yield level_light((0, 0, -0.01), radius, radius, 1.0)
+        yield shade, space
+        return
     tall, narrow = kit.draw("shade")
     tall = min(tall * 2 * radius, 0.45 * height)
     narrow *= radius
     metal = kit.material("metal")
-    shade = revolution([(radius, 0), (narrow, tall)])
-    if hangs:
+    if style == "stand":
+        foot = min(0.7 * radius, 0.16)
+        stand = [
+            (foot, 0),
+            (foot, 0.02),
+            (0.012, 0.03),
+            (0.012, height - tall),
+        ]
+        cone = revolution([(radius, 0), (narrow, tall)])
+        half = 0.5 * narrow
+        yield level_light((0, 0, height + 0.05), half, half, 1.0, 0.0)
+        yield metal, revolution(stand)
+        yield shade, move(cone, (0, 0, height - tall))
+    else:
+        yield level_light((0, 0, -0.03), radius, radius, 1.0)
         if kit.chance(0.4):
             body = ball((radius, radius, tall / 2))
-            shade = move(body, (0, 0, tall / 2))
-        yield level_light((0, 0, -0.03), radius, radius, 1.0)
-        yield metal, bar([(0, 0, tall), (0, 0, height)], 0.008)
-        yield glow, shade
-        return
-    foot = min(0.7 * radius, 0.16)
-    half = 0.5 * narrow
-    low = height - tall
-    stand = [
-        (foot, 0),
-        (foot, 0.02),
-        (0.012, 0.03),
-        (0.012, low),
-    ]
-    yield level_light((0, 0, height + 0.05), half, half, 1.0, 0.0)
-    yield metal, revolution(stand)
-    yield glow, move(shade, (0, 0, low))
+        else:
+            body = revolution([(radius, -tall / 2), (narrow, tall / 2)])
+        yield shade, move(body, (0, 0, tall / 2))
+        yield metal, sweep([(0, 0, tall), (0, 0, height)], 0.008, 6)
 
 
 def vessel(
@@ -72,8 +72,12 @@ def vessel(
     material: str = "ceramic",
 ) -> Piece:
     """A turned vessel, of another width than depth where the size says so."""
-    outline = np.array(presets()["profiles"][profile]) * [0.5, 1]
-    yield material, scaled(revolution(outline), space.size)
+    turned = revolution(
+        np.array(presets()["profiles"][profile]) * [0.5, 1],
+        sections=32,
+    )
+    turned.vertices = turned.vertices * space.size
+    yield material, turned
 
 
 def blob(
@@ -83,41 +87,51 @@ def blob(
     material: str = "fabric",
     noise: float = 0.1,
     squareness: float = 0.0,
-) -> Iterator[tuple[str, Trimesh]]:
+) -> Iterator[Solids]:
     """Something soft or grown: cushion, fruit, stone, toy."""
-    body = ball(1.0, noise=noise, rng=kit.rng, squareness=squareness, fineness=3)
-    whole = scaled(body, space.size / body.extents)
-    yield material, move(whole, (0, 0, space.z1 / 2) - whole.bounds.mean(axis=0))
+    body = ball(
+        1.0,
+        noise=noise,
+        rng=kit.rng,
+        squareness=squareness,
+        fineness=3,
+    )
+    low, high = body.bounds
+    body.vertices = (body.vertices - (low + high) / 2) * space.size / (high - low)
+    yield material, move(body, (0, 0, space.z1 / 2))
 
 
-def cloth(kit: Kit, space: Box, *, folds: Sequence[float] = (5, 9)) -> Piece:
-    """A fabric that hangs, with so many folds a metre."""
-    width, _, height = space.size
-    count = kit.between(*folds) * width
-    x = np.linspace(-width / 2, width / 2, int(10 * count) + 9)[:, None]
-    z = np.linspace(0, height, 7)
-    flat = slab(x[:-1], x[1:], 0, THIN, z[:-1], z[1:])
-    yield "fabric", mesh_from(_folded(kit, space, count, flat.vertices), flat.faces)
-
-
-def _folded(kit: Kit, space: Box, count: float, points: Array) -> Array:
-    """Points (N, 3) of a flat fabric once it lies in folds, which are deeper below."""
+def cloth(
+    kit: Kit,
+    space: Box,
+    *,
+    style: str = "curtain",
+) -> Piece:
+    """A curtain in folds, a rug on the floor, or a towel that hangs."""
+    if style == "rug":
+        yield _rug(kit, space)
+        return
     width, depth, height = space.size
-    fall = points[:, 2] / height
-    bend = 0.3 * np.sin(3 * fall + kit.between(0, 6))
-    turns = count * (points[:, 0] / width + 0.5)
-    wave = np.sin(2 * np.pi * turns + kit.between(0, 2 * np.pi) + bend)
-    out = (depth / 2 - THIN) * wave * (1 - 0.3 * fall)
-    return points + np.outer(out, [0, 1, 0])
+    thickness = 0.006
+    folds = kit.between(5, 9) * width if style == "curtain" else kit.between(0.5, 2)
+    columns = np.linspace(-width / 2, width / 2, max(9, int(10 * folds) + 1))
+    x, z = np.meshgrid(columns, np.linspace(0, height, 7), indexing="ij")
+    phase = kit.between(0, 2 * np.pi) + 0.3 * np.sin(3 * z / height + kit.between(0, 6))
+    wave = np.sin(2 * np.pi * folds * (x / width + 0.5) + phase)
+    y = (depth / 2 - thickness) * wave * (1 - 0.3 * z / height)
+    yield "fabric", sheet(np.stack([x, y, z], -1), thickness)
 
 
-def rug(kit: Kit, space: Box) -> Piece:
+def _rug(kit: Kit, space: Box) -> Solids:
     """A rug, a fifth of them oval."""
-    disc = revolution([(0.5, 0), (0.5, 1)])
-    yield "fabric", scaled(disc, space.size) if kit.chance(0.2) else space
+    x0, x1, y0, y1 = space.floor
+    outline = np.array([(x0, y0), (x1, y0), (x1, y1), (x0, y1)])
+    if kit.chance(0.2):
+        outline = ellipse(*space.size[:2], 40)
+    return "fabric", extrusion(outline, space.z1)
 
 
-def plant(kit: Kit, space: Box, *, bush: bool = False) -> Piece:
+def plant(kit: Kit, space: Box, *, style: str = "leaves") -> Piece:
     """A plant in a pot: single leaves on stems, or a bush."""
     height = space.z1
     width = 2 * min(space.x1, space.y1)
@@ -125,34 +139,36 @@ def plant(kit: Kit, space: Box, *, bush: bool = False) -> Piece:
     crown = height - pot
     yield from vessel(kit, Box.standing((0.9 * pot, 0.9 * pot, pot)), profile="pot")
     green = kit.material("leaf")
-    if not bush:
+    if style == "bush":
+        leaves = Box.standing((width, width, 0.9 * crown))
+        bush = kit.part(*next(blob(kit, leaves, material="leaf", noise=0.35)))
+        yield green, move(bush.mesh, (0, 0, pot + 0.1 * crown))
+        stem = [(0, 0, 0.8 * pot), (0, 0, pot + 0.3 * crown)]
+        yield green, sweep(stem, 0.03 * pot + 0.01, 6)
+    else:
         yield from _leaves(kit, green, width, pot, crown)
-        return
-    top = Box.standing((width, width, 0.9 * crown))
-    for material, leaves in blob(kit, top, material="leaf", noise=0.35):
-        yield material, move(leaves, (0, 0, pot + 0.1 * crown))
-    stem = [(0, 0, 0.8 * pot), (0, 0, pot + 0.3 * crown)]
-    yield green, bar(stem, 0.03 * pot + 0.01)
 
 
 def _leaves(kit: Kit, green: Material, width: float, pot: float, crown: float) -> Piece:
     """Leaves of a plant, each on a bent stem that starts in its pot."""
     leaf = ball((0.2 * width, 0.085 * width, 0.008), fineness=1)
+    leaves = []
+    stems = []
     for k in range(kit.count((7, 17))):
         shift, reach, rise = kit.draw("leaf")
         turn = 2.4 * k + shift
-        x, y = np.array([np.cos(turn), np.sin(turn)]) * reach * width / 2
-        top = pot + crown * rise
-        stem = [
-            (0, 0, 0.8 * pot),
-            (0.3 * x, 0.3 * y, (pot + top) / 2),
-            (x, y, top),
-        ]
-        yield (
-            green,
-            bar(stem, 0.004 + 0.004 * crown),
-            move(leaf, stem[-1], turn),
-        )
+        way = np.array([np.cos(turn), np.sin(turn)]) * width / 2
+        stem = _stem(pot, reach * way, 0.3 * reach * way, crown * rise)
+        stems.append(sweep(stem, 0.004 + 0.004 * crown, 5))
+        leaves.append(move(leaf, stem[-1], turn))
+    yield green, *leaves
+    yield green, *stems
+
+
+def _stem(pot: float, tip: Array, bend: Array, rise: float) -> Array:
+    """Foot, bend and tip (3, 3) of a stem whose tip is higher than its pot by ``rise``, m."""
+    top = pot + rise
+    return np.array([[0, 0, 0.8 * pot], [*bend, (pot + top) / 2], [*tip, top]])
 
 
 def picture(
@@ -164,49 +180,82 @@ def picture(
     emission: float = 0.0,
 ) -> Piece:
     """A framed panel: picture, mirror, screen, board; upright, its back at +y."""
-    depth = space.size[1]
-    half = frame / 2
+    width, depth, _ = space.size
+    edge = min(frame, width / 6)
+    half = edge / 2
     paint = kit.material(material)._replace(emission=emission)
-    yield paint, space.inset(x0=half, x1=half, y0=depth / 3, z0=half, z1=half)
-    upright = space.inset(z0=frame, z1=frame)
+    yield (
+        paint,
+        space.inset(x0=half, x1=half, y0=depth / 3, z0=half, z1=half),
+    )
+    upright = space.inset(z0=edge, z1=edge)
     yield (
         kit.material("wood", "metal"),
-        space.ends("z", frame),
-        upright.ends("x", frame),
+        space.layer("z0", edge),
+        space.layer("z1", edge),
+        upright.layer("x0", edge),
+        upright.layer("x1", edge),
     )
 
 
-def pipe(kit: Kit, space: Box, *, level: bool = False) -> Piece:
+def pipe(
+    kit: Kit,
+    space: Box,
+    *,
+    level: bool = False,
+) -> Piece:
     """Upright pipes from floor to height, or level rails from side to side."""
     radius = min(0.4 * space.size[1], 0.03)
     metal = kit.material("metal")
     number = kit.count((1, 2))
+    paths = _rails(space, radius, number) if level else _risers(space, number)
+    for path in paths:
+        yield metal, sweep(_rounded(path), radius, 10)
+
+
+def _risers(space: Box, number: int) -> list[Array]:
+    """Paths of upright pipes side by side."""
+    width, _, height = space.size
+    places = [width * ((k + 0.5) / number - 0.5) for k in range(number)]
+    return [np.array([(x, 0, 0), (x, 0, height)]) for x in places]
+
+
+def _rails(space: Box, radius: float, number: int) -> list[Array]:
+    """Paths of level rails above each other, with both ends at the wall."""
     x = space.x1
     y = space.y1 - radius
-    for k in range(number):
-        z = radius + space.z1 * k / number
-        path = [
-            (-x, y, z),
-            (-x, -y, z),
-            (x, -y, z),
-            (x, y, z),
-        ]
-        if not level:
-            across = ((2 * k + 1) / number - 1) * x
-            path = [(across, 0, 0), (across, 0, space.z1)]
-        yield metal, bar(path, radius)
+    rise = space.z1 - 2 * radius
+    heights = [radius + rise * k / max(number - 1, 1) for k in range(number)]
+    return [np.array([(-x, y, z), (-x, -y, z), (x, -y, z), (x, y, z)]) for z in heights]
+
+
+def _rounded(path: Array) -> Array:
+    """The path with three points close to each inner corner."""
+    corners = path[1:-1]
+    before = corners + 0.2 * (path[:-2] - corners)
+    after = corners + 0.2 * (path[2:] - corners)
+    middle = (before + after + 2 * corners) / 4
+    bends = np.stack([before, middle, after], 1).reshape(-1, 3)
+    return np.vstack([path[:1], bends, path[-1:]])
 
 
 def radiator(kit: Kit, space: Box) -> Piece:
-    """Upright fins along two rails."""
-    x = np.linspace(space.x0 + 0.02, space.x1 - 0.02, max(3, int(space.size[0] / 0.07)))
-    _, depth, height = space.size
-    rails = space.inset(x0=0.02, x1=0.02, y0=depth / 4, y1=depth / 4)
-    heights = np.array([0.16, 0.92]) * height
+    """Upright fins between two rails, on feet."""
+    width, depth, height = space.size
+    x = np.linspace(-width / 2 + 0.02, width / 2 - 0.02, max(3, int(width / 0.07)))
+    places = np.outer(x, [1, 0, 0])
+    up = np.array([0, 0, height])
     yield (
         "paint",
-        space.bars("x", x, 0.02),
-        rails.bars("z", heights, 0.02),
+        box((0.04, depth, 0.86 * height), places + 0.54 * up),
+        box(
+            (width - 0.04, 0.5 * depth, 0.04),
+            np.outer([0.16, 0.92], up),
+        ),
+        box(
+            (0.03, 0.6 * depth, 0.12 * height),
+            places[[0, -1]] + 0.06 * up,
+        ),
     )
 
 
@@ -217,10 +266,18 @@ def stairs(kit: Kit, space: Box, *, rail: bool = True) -> Piece:
     z = np.linspace(0, space.z1, count + 1)[1:]
     yield "wood", space.cut(x0=x[:-1], x1=x[1:], z1=z)
     if rail:
-        x = (x[:-1] + x[1:]) / 2
-        y = space.y0 + 0.04
-        yield "metal", Box(x - 0.01, x + 0.01, y - 0.01, y + 0.01, z, z + 0.9)
-        yield "wood", bar([(x[k], y, z[k] + 0.9) for k in (0, -1)], 0.025)
+        feet = np.stack(
+            [
+                (x[:-1] + x[1:]) / 2,
+                np.full(count, space.y0 + 0.04),
+                z,
+            ],
+            1,
+        )
+        tops = feet + np.array([0, 0, 0.9])
+        bars = [sweep(ends, 0.012, 6) for ends in np.stack([feet, tops], 1)]
+        yield "metal", *bars
+        yield "wood", sweep(tops, 0.025, 8)
 
 
 def stack(
@@ -237,15 +294,23 @@ def stack(
     levels = height * np.unique([0.0, *shares.round(2), 1.0])
     for z0, z1 in pairwise(levels):
         layer = space.cut(z0=z0, z1=z1 - 1e-3)
-        yield material, _case(kit, layer) if number > 1 else layer
-    top = Rectangle.about((0, 0), (2 * width / 3, 2 * depth / 3))
-    yield Top(top, height, 0.4)
+        yield (
+            material,
+            _case(kit, layer) if number > 1 else slab(*layer),
+        )
+    yield Top(
+        Rectangle.about((0, 0), (2 * width / 3, 2 * depth / 3)),
+        height,
+        0.4,
+    )
 
 
 def _case(kit: Kit, space: Box) -> Trimesh:
     """A box turned a little, which does not leave the floor of its space."""
     width, depth, _ = space.size
     turn, share_x, share_y = kit.draw("case")
-    x = 0.4 * width * share_x
-    y = 0.4 * depth * share_y
+    longer = max(width / depth, depth / width)
+    fit = 0.5 / (np.cos(turn) + longer * abs(np.sin(turn)))
+    x = width * fit * share_x
+    y = depth * fit * share_y
     return move(slab(-x, x, -y, y, space.z0, space.z1), (0, 0, 0), turn)

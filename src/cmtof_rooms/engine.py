@@ -1,5 +1,6 @@
 """Rays through triangles: Embree's answers, and directions to ask for."""
 
+from functools import lru_cache
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -64,6 +65,7 @@ class Tracer:
         return self._scene.run(origins, directions, dists=reach, query="OCCLUDED") == 0
 
 
+@lru_cache(maxsize=4)
 def sphere_of_directions(count: int) -> Array:
     """Directions (N, 3) spread evenly over the sphere (a Fibonacci lattice)."""
     number = np.arange(count)

@@ -52,7 +52,7 @@ class Furnishing:
         self.shell = shell
         self.things: list[Thing] = []
         self.lights: list[Light] = []
-        self._vacancy = Vacancy(shell, kit, self.lights, list(shell.keep))
+        self._vacancy = Vacancy(shell, kit, self.lights, clear=list(shell.keep))
 
     def fill(self, counts: Values) -> None:
         """Place kinds, each about as often as asked for, the largest first."""
@@ -109,8 +109,8 @@ class Furnishing:
 
     def _seat(self, name: str, count: int, place: Place, size: Extents) -> None:
         """Stand seats along the two long sides of a table, or at the front of a desk."""
-        sides = min(count, 2)
-        columns = (count + 1) // 2
+        sides = 1 if count == 1 else 2
+        columns = -(-count // sides)
         for k in range(count):
             seat = self._size(_kind(name))
             column, side = divmod(k, sides)
@@ -118,10 +118,8 @@ class Furnishing:
                 continue
             x = size[0] * ((column + 0.5) / columns - 0.5)
             y = size[1] / 2 + seat[1] / 2 + self.kit.between(0.02, 0.25)
-            x, y = place.carry(x, y if side else -y)
             spot = Place(
-                x,
-                y,
+                *place.carry(x, y if side else -y),
                 0.0,
                 place.turn + (0.0 if side else np.pi) + self.kit.between(-0.1, 0.1),
             )

@@ -9,9 +9,15 @@ import numpy as np
 
 from cmtof.types import Pair, Shape
 from cmtof_rooms.boxes import Box, Rectangle, mirrored
-from cmtof_rooms.kit import Kit, Piece, Top
+from cmtof_rooms.kit import Kit, Piece, Solids, Top
 from cmtof_rooms.materials import Material
-from cmtof_rooms.solids import ball, move, revolution, scaled
+from cmtof_rooms.solids import (
+    ball,
+    ellipse,
+    extrusion,
+    move,
+    revolution,
+)
 
 
 def posts(x: float, y: float, thickness: float, z0: float, z1: float) -> Box:
@@ -32,12 +38,11 @@ def table(
     """A top on four legs, two panels, or a pedestal; ``round_top`` is the share of round ones."""
     width, depth, height = space.size
     thickness = min(kit.between(0.02, 0.05), height / 4)
-    board = space.cut(z0=height - thickness)
+    board = space.layer("z1", thickness)
     wood = kit.material("wood")
     reach = 0.5  # of the place for things, as a share of the size
     if kit.chance(round_top):
-        disc = revolution([(0.5, 0), (0.5, 1)])
-        disc = scaled(disc, (width, depth, thickness))
+        disc = extrusion(ellipse(width, depth), thickness)
         yield wood, move(disc, (0, 0, board.z0))
         legs = "pedestal"
         reach = 0.35
@@ -69,13 +74,14 @@ def _leg_panels(kit: Kit, wood: Material, board: Box) -> Piece:
 
 
 def _four_legs(kit: Kit, wood: Material, board: Box) -> Piece:
-    """Four legs and, below a table's board, rails between them."""
+    """Four legs and, below a high table's board, rails between them."""
     thickness = min(kit.between(0.03, 0.07), *board.size[:2] / 6)
     x = board.x1 - thickness
     y = board.y1 - thickness
     yield wood, posts(x, y, thickness, 0, board.z0)
-    below = Box(-x, x, 0, 0, board.z0 - 0.1, board.z0)
-    yield wood, below.bars("y", mirrored(y), 0.01)
+    if board.z1 > 0.5:
+        below = Box(-x, x, 0, 0, board.z0 - 0.11, board.z0)
+        yield wood, below.bars("y", mirrored(y), 0.01)
 
 
 # What carries a table, by the name that `presets.yml` uses.
@@ -129,30 +135,30 @@ def _sofa(kit: Kit, space: Box, *, arms: bool) -> Piece:
         yield cover, space.ends("x", arm).cut(z0=0.08, z1=top)
     inside = space.inset(x0=arm, x1=arm)
     seats = (width - 2 * arm, depth - back, 0.18)
-    yield from _cushions(cover, seats, (-back / 2, level - 0.05), 0.75)
+    yield _cushions(cover, seats, (-back / 2, level - 0.05), 0.75)
     if back:
-        yield cover, inside.cut(y0=space.y1 - 0.08, z0=level - 0.12)
+        yield cover, inside.layer("y1", 0.08).cut(z0=level - 0.12)
         cushions = (width - 2 * arm, back, height - level)
         middle = (
             space.y1 - back / 2 - 0.03,
             level + 0.9 * ((height - level) / 2),
         )
-        yield from _cushions(cover, cushions, middle, 0.7)
+        yield _cushions(cover, cushions, middle, 0.7)
 
 
 def _cushions(
-    cover: Material | str,
+    cover: Material,
     size: Sequence[float],
     middle: Pair,
     squareness: float,
-) -> Piece:
+) -> Solids:
     """A row of cushions of a size together, about y and z of its ``middle``."""
     width, depth, height = size
     count = max(1, round(width / 0.75))
     each = width / count
     cushion = ball((each / 2, depth / 2, height / 2), squareness=squareness)
-    for k in range(count):
-        yield cover, move(cushion, (each * (k + 0.5) - width / 2, *middle))
+    places = -width / 2 + each * (np.arange(count) + 0.5)
+    return cover, *[move(cushion, (x, *middle)) for x in places]
 
 
 def bed(kit: Kit, space: Box) -> Piece:
@@ -162,7 +168,7 @@ def bed(kit: Kit, space: Box) -> Piece:
     yield (
         "wood",
         space.cut(z0=0.1, z1=0.3),
-        space.cut(y0=space.y1 - 0.05),
+        space.layer("y1", 0.05),
         space.inset(x0=0.1, x1=0.1, y0=0.1).cut(z1=0.1),
     )
 
@@ -177,8 +183,17 @@ def bed(kit: Kit, space: Box) -> Piece:
         "fabric",
         move(blanket, (0, -depth * 0.17, (level + 0.2) / 2)),
     )
-    middle = (depth / 2 - 0.32, level + 0.05)
-    yield from _cushions("linen", (0.9 * width, 0.4, 0.16), middle, 0.5)
+    yield from _pillows(kit, width, (depth / 2 - 0.32, level + 0.05))
+
+
+def _pillows(kit: Kit, width: float, middle: Pair) -> Piece:
+    """One pillow or, on a wide bed, two, about y and z of their ``middle``."""
+    count = 2 if width > 1.2 else 1
+    half = min(0.32, width / count / 2.1)
+    pillow = ball((half, 0.2, 0.08), squareness=0.5)
+    for k in range(count):
+        x = (k - (count - 1) / 2) * width / count
+        yield "linen", move(pillow, (x, *middle))
 
 
 def cabinet(
@@ -211,18 +226,31 @@ def cabinet(
 def _doors(kit: Kit, wood: Material, body: Box, shape: Shape) -> Piece:
     """Fronts of all cells of a cabinet, in columns and rows, and handles on most cabinets."""
     columns, rows = shape
+    gap = 0.006
     width, _, height = body.size
     dx = width / columns
     dz = (height - 0.02) / rows
     x = np.arange(columns)[:, None] * dx + body.x0
-    z = np.arange(rows) * dz + body.z0
     y = body.y0
-    cells = Box(x, x + dx, y, y + 0.02, z, z + dz)
-    yield wood, cells.inset(x0=0.006, x1=0.006, z0=0.006, z1=0.006)
+    z = body.z0 + np.arange(rows) * dz
+    yield (
+        wood,
+        Box(
+            x + gap,
+            x + (dx - gap),
+            y,
+            y + 0.02,
+            z + gap,
+            z + (dz - gap),
+        ),
+    )
     if kit.chance(0.6):
         x = x + dx / 2
         z = z + 0.8 * dz
-        yield "metal", Box(x - 0.05, x + 0.05, y - 0.025, y, z, z + 0.012)
+        yield (
+            "metal",
+            Box(x - 0.05, x + 0.05, y - 0.025, y, z, z + 0.012),
+        )
 
 
 def shelf(kit: Kit, space: Box, *, fill: float = 0.5, bay: float = 0.9) -> Piece:
@@ -232,11 +260,12 @@ def shelf(kit: Kit, space: Box, *, fill: float = 0.5, bay: float = 0.9) -> Piece
     thickness = 0.025
     columns = max(1, round(space.size[0] / bay))
     rows = max(1, round(height / kit.between(0.32, 0.42)))
-    x = np.linspace(space.x0, space.x1 - thickness, columns + 1)
+    x = np.linspace(space.x0, space.x1, columns + 1)
     z = np.linspace(0.05, height - thickness, rows + 1)
+    left = np.minimum(x, space.x1 - thickness)
     boards = space.inset(y0=0.005).cut(z0=z, z1=z + thickness)
-    yield wood, space.cut(x0=x, x1=x + thickness), boards
-    yield wood, space.cut(y0=space.y1 - 0.01, z0=0.05)
+    yield wood, space.cut(x0=left, x1=left + thickness), boards
+    yield wood, space.layer("y1", 0.01).cut(z0=0.05)
     bays = space.inset(y0=0.02).cut(x0=x[:-1, None] + thickness, x1=x[1:, None])
     yield from _fill(kit, bays.cut(z0=z[:-1] + thickness, z1=z[1:]), fill)
     yield Top(space.floor, height, 0.5)

@@ -5,6 +5,7 @@ W/sr in those units, gives P cos(surface) cos(light) / distance² (Lambert's law
 """
 
 from collections.abc import Sequence
+from functools import lru_cache
 from typing import NamedTuple
 
 import numpy as np
@@ -44,7 +45,6 @@ class Surface(NamedTuple):
     cosine: Array  # of incidence, without its sign, (N,)
     position: Array  # (N, 3), m
     normal: Array  # (N, 3), towards where the rays come from
-    behind: Flags  # whether it is met from inside a solid, (N,)
 
 
 class Interior:
@@ -61,7 +61,13 @@ class Interior:
 
     Attributes
     ----------
-    faces : ndarray of int, shape (F, 3)
+    vertices : ndarray of float32, shape (V, 3)
+        m.
+    faces : ndarray of int32, shape (F, 3)
+    normals : ndarray, shape (F, 3)
+        Unit vectors, outwards.
+    part : ndarray of int, shape (F,)
+        Number of the part that each triangle belongs to.
     instance : ndarray of int, shape (P,)
         Number of the thing that each part belongs to, from 1 on.
     """
@@ -79,14 +85,22 @@ class Interior:
         self.sky = sky
         parts = [part for thing in things for part in thing.parts]
         whole = join(part.mesh for part in parts)
-        self.faces = whole.faces
+        self.vertices = np.asarray(whole.vertices, np.float32)
+        self.faces = np.asarray(whole.faces, np.int32)
+        self.part = _numbers([len(part.mesh.faces) for part in parts])
         self.instance = _numbers([len(thing.parts) for thing in things]) + 1
         self.palette = Palette([part.material for part in parts])
-        self.tracer = Tracer(whole.vertices, whole.faces)
-        self._part = _numbers([len(part.mesh.faces) for part in parts])
-        self._normals = np.asarray(whole.face_normals)
-        self._offsets = np.vecdot(self._normals, whole.triangles[:, 0])
+        self.tracer = Tracer(self.vertices, self.faces)
+        a, b, c = self.vertices.astype(np.float64)[self.faces].swapaxes(0, 1)
+        across = np.cross(b - a, c - a)
+        area = np.linalg.norm(across, axis=1, keepdims=True)
+        self.normals = across / np.maximum(area, 1e-30)
+        self._offsets = (self.normals * a).sum(axis=1)
         self.bounce = measure_bounce(np.asarray(space, np.float32), self.lit)
+
+    def thing_of(self, triangle: Numbers) -> Numbers:
+        """Number of the thing, from 1 on, that each triangle of given number belongs to."""
+        return self.instance[self.part[triangle]]
 
     def render(self, origin: ArrayLike, directions: Array) -> Picture:
         """Picture of what is seen along rays.
@@ -100,8 +114,8 @@ class Interior:
         """
         shape = directions.shape[:2]
         rays = np.ascontiguousarray(directions.reshape(-1, 3), np.float32)
-        seen = self.meet(np.broadcast_to(np.asarray(origin, float), rays.shape), rays)
-        pixel = np.linalg.norm(np.ptp(rays[:2], axis=0))
+        seen = self._surface(np.asarray(origin, float), rays)
+        pixel = np.linalg.norm(rays[1] - rays[0]) if shape[1] > 1 else 1e-3
         footprint = pixel * seen.distance / np.maximum(seen.cosine, 0.15)
         albedo = self.palette.albedo(
             seen.part,
@@ -109,9 +123,8 @@ class Interior:
             seen.normal,
             footprint.astype(np.float32),
         )
-        light = self.direct(seen.position, seen.normal, _tiles(*shape))
-        light = _smooth(light, seen, shape)
-        light += self.bounce.irradiance(seen.position, seen.normal)
+        light = self._direct_smooth(seen, shape)
+        light += self._scattered(seen, shape)
         color = albedo * (light + self.palette.emission[seen.part][:, None])
         missed = seen.part < 0
         color[missed] = self.sky
@@ -125,32 +138,44 @@ class Interior:
             instance.astype(np.int32).reshape(shape),
         )
 
-    def meet(self, origins: Array, rays: Array) -> Surface:
-        """Surfaces that rays (N, 3) from points (N, 3), m, meet.
+    def _direct_smooth(self, seen: Surface, shape: Shape) -> Array:
+        """Irradiance (N, 3) from the lights; neighbours ask for different places on them."""
+        light = self.direct(seen.position, seen.normal, _tiles(*shape))
+        smooth = _smooth(
+            light.reshape(*shape, 3),
+            seen.part.reshape(shape),
+            seen.normal.reshape(*shape, 3),
+        )
+        return smooth.reshape(-1, 3)
+
+    def _surface(self, eye: Array, rays: Array) -> Surface:
+        """Surfaces that rays (N, 3) from a point (3,), m, meet.
 
         Range is solved in double precision from the triangle's plane: Embree's own is good to some
         micrometres only.
         """
-        triangle = self.tracer.nearest(origins.astype(np.float32), rays).triangle
-        met = triangle >= 0
-        plane = self._normals[triangle]
-        along = np.vecdot(plane, rays)
-        away = self._offsets[triangle] - np.vecdot(plane, origins)
-        distance = away / np.where(along == 0, 1e-12, along)
+        starts = np.ascontiguousarray(
+            np.broadcast_to(eye.astype(np.float32), rays.shape)
+        )
+        triangle = self.tracer.nearest(starts, rays).triangle
+        plane = self.normals[triangle]
+        along = np.einsum("ij,ij->i", plane, rays)
+        distance = (self._offsets[triangle] - plane @ eye) / np.where(
+            along == 0, 1e-12, along
+        )
         return Surface(
-            np.where(met, self._part[triangle], -1),
+            np.where(triangle >= 0, self.part[triangle], -1),
             distance,
             np.abs(along),
-            (origins + distance[:, None] * rays).astype(np.float32),
+            (eye + distance[:, None] * rays).astype(np.float32),
             (plane * -np.sign(along)[:, None]).astype(np.float32),
-            met & (along > 0),
         )
 
     def direct(
         self,
         position: Array,
         normal: Array,
-        sample: Numbers,
+        sample: Numbers | None = None,
     ) -> Array:
         """Irradiance (N, 3) from the lights, with shadows.
 
@@ -158,18 +183,16 @@ class Interior:
         ----------
         position, normal : ndarray of float32, shape (N, 3)
             m, and unit vectors.
-        sample : ndarray of int, shape (N,)
-            Which of 4 x 4 places on a light is asked for, 0 to 15.
+        sample : ndarray of int, shape (N,), optional
+            Which of 16 places on a light is asked for, 0 to 15; its centre by default.
         """
         found = np.zeros(position.shape, np.float32)
         start = position + 2e-4 * normal
-        places = np.stack([sample % 4, sample // 4], 1).astype(np.float32) / 2 - 0.75
         for light in self.lights:
-            aside = places @ np.array([light.half_u, light.half_v], np.float32)
-            to = np.asarray(light.centre, np.float32) + aside - start
-            reach = np.sqrt(np.vecdot(to, to))
+            to = _ways(light, start, sample)
+            reach = np.sqrt(np.einsum("ij,ij->i", to, to))
             to /= np.maximum(reach, 1e-6)[:, None]
-            given = light.power * np.vecdot(to, normal)
+            given = light.power * np.einsum("ij,ij->i", to, normal)
             given /= np.maximum(reach, 0.2) ** 2
             facing = np.asarray(light.normal, np.float32)
             if facing.any():
@@ -193,12 +216,38 @@ class Interior:
         behind : ndarray of bool, shape (N,)
             Whether the back of a surface is met, which is dark.
         """
-        seen = self.meet(origins, directions)
-        sample = np.arange(len(origins)) % 16
-        light = self.direct(seen.position, seen.normal, sample)
-        light *= self.palette.mean[seen.part]
-        light[seen.behind | (seen.part < 0)] = 0
-        return light, seen.behind
+        hits = self.tracer.nearest(origins, directions)
+        met = np.flatnonzero(hits.triangle >= 0)
+        triangle = hits.triangle[met]
+        normal = self.normals[triangle].astype(np.float32)
+        back = np.einsum("ij,ij->i", normal, directions[met]) > 0
+        point = origins[met] + directions[met] * hits.distance[met, None]
+        light = self.palette.mean[self.part[triangle]] * self.direct(point, normal)
+        radiance = np.zeros(origins.shape, np.float32)
+        radiance[met] = np.where(back[:, None], 0, light)
+        behind = np.zeros(len(origins), bool)
+        behind[met] = back
+        return radiance, behind
+
+    def _scattered(self, seen: Surface, shape: Shape) -> Array:
+        """Irradiance (N, 3) by one bounce; it varies slowly: 2 x 2 pixels of a surface share it."""
+        y, x = np.indices(shape).reshape(2, -1) // 2 * 2
+        lead = y * shape[1] + x
+        alike = seen.part == seen.part[lead]
+        alike &= np.einsum("ij,ij->i", seen.normal, seen.normal[lead]) > 0.98
+        asked = np.flatnonzero(~alike | (lead == np.arange(len(lead))))
+        found = np.zeros_like(seen.normal)
+        found[asked] = self.bounce.irradiance(seen.position[asked], seen.normal[asked])
+        return np.where(alike[:, None], found[lead], found)
+
+
+def _ways(light: Light, start: Array, sample: Numbers | None) -> Array:
+    """Ways (N, 3), m, from points to a light's centre, or to a place on it of 4 x 4."""
+    ways = np.asarray(light.centre, np.float32) - start
+    if sample is not None:
+        places = np.stack([sample % 4, sample // 4], 1).astype(np.float32) / 2 - 0.75
+        ways += places @ np.array([light.half_u, light.half_v], np.float32)
+    return ways
 
 
 def _numbers(counts: list[int]) -> Numbers:
@@ -206,6 +255,7 @@ def _numbers(counts: list[int]) -> Numbers:
     return np.repeat(np.arange(len(counts)), counts)
 
 
+@lru_cache(maxsize=4)
 def _tiles(height: int, width: int) -> Numbers:
     """Number 0 to 15 of each pixel (H·W,): every 4 x 4 pixels have all, neighbours far ones."""
     order = [0, 10, 2, 8, 5, 15, 7, 13, 1, 11, 3, 9, 4, 14, 6, 12]
@@ -213,20 +263,17 @@ def _tiles(height: int, width: int) -> Numbers:
     return np.array(order, np.int32)[4 * y + x]
 
 
-def _smooth(light: Array, seen: Surface, shape: Shape) -> Array:
-    """Mean (N, 3) over 4 x 4 pixels that lie on the same part and face the same way."""
-    image = light.reshape(*shape, 3)
-    normal = seen.normal.reshape(*shape, 3)
-    part = seen.part.reshape(shape)
+def _smooth(image: Array, part: Numbers, normal: Array) -> Array:
+    """Mean (H, W, 3) over 4 x 4 pixels that lie on the same part and face the same way."""
     for _ in ("rows", "columns"):
         total = image.copy()
         count = np.ones(part.shape, np.float32)
         for here, there in _NEIGHBOURS:
-            alike = np.vecdot(normal[here], normal[there]) > 0.9
+            alike = np.einsum("ijk,ijk->ij", normal[here], normal[there]) > 0.9
             alike &= part[here] == part[there]
             total[here] += image[there] * alike[..., None]
             count[here] += alike
         image = (total / count[..., None]).swapaxes(0, 1)
         normal = normal.swapaxes(0, 1)
         part = part.T
-    return image.reshape(-1, 3)
+    return image

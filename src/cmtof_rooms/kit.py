@@ -16,7 +16,7 @@ from cmtof.types import Fields, Pair, Values
 from cmtof_rooms.boxes import Box, Rectangle
 from cmtof_rooms.materials import Material
 from cmtof_rooms.presets import presets
-from cmtof_rooms.solids import join
+from cmtof_rooms.solids import join, slab
 from cmtof_rooms.things import Light, Part
 
 
@@ -58,7 +58,8 @@ class Kit:
         """Join solids of one material, or of one drawn for a role."""
         if isinstance(material, str):
             material = self.material(material)
-        return Part(join(solids), material)
+        meshes = [slab(*one) if isinstance(one, Box) else one for one in solids]
+        return Part(join(meshes), material)
 
     def index(self, items: Sequence) -> int:
         """Draw the place of one of several items."""
@@ -79,7 +80,7 @@ class Kit:
     def count(self, limits: Sequence[int]) -> int:
         """Draw a whole number evenly from the lowest to the highest."""
         low, high = limits
-        return int(self.rng.integers(low, high + 1))
+        return int(self.rng.integers(low, high, endpoint=True))
 
     def chance(self, share: float) -> bool:
         """Draw whether something happens that does so in a share of cases."""
@@ -100,8 +101,8 @@ def _material(rng: Generator, drawn: Fields) -> Material:
     colours = np.array(drawn["colours"])
     pair = colours[rng.integers(len(colours), size=2)]
     first, second = np.clip(pair * rng.uniform(0.75, 1.2, (2, 1)), 0.01, 0.92)
-    share = rng.uniform(0.15, 0.7) * rng.uniform(0.5, 1.0)
-    second = 0.8 * (first + share * (second - first))
+    mix = rng.uniform(0.15, 0.7) * (second - first) * rng.uniform(0.5, 1.0)
+    second = 0.8 * (first + mix)
     pattern = weighted_choice(rng, drawn["patterns"])
     return Material(
         tuple(first),

@@ -4,7 +4,6 @@ from collections.abc import Callable, Sequence
 from typing import NamedTuple
 
 import numpy as np
-from scipy.ndimage import map_coordinates
 
 from cmtof.types import Array, Arrays, Numbers
 from cmtof_rooms.arrays import Triple
@@ -25,18 +24,38 @@ class Material(NamedTuple):
     emission: float = 0.0
 
 
-# Numbers of 0 to 1 that patterns repeat after 64 cells.
-_RANDOM = np.random.default_rng(0).uniform(size=(64, 64)).astype(np.float32)
-
-
-def _random(i: Array, j: Array) -> Array:
+def _hash(i: Array, j: Array) -> Array:
     """Number in [0, 1), which looks random, for each pair of whole numbers."""
-    return _RANDOM[i.astype(int) % 64, j.astype(int) % 64]
+    first = i.astype(np.int64).astype(np.uint32)
+    second = j.astype(np.int64).astype(np.uint32)
+    bits = first * 374761393
+    bits += second * 668265263
+    bits ^= bits >> 13
+    bits *= 1274126177
+    bits ^= bits >> 16
+    bits &= 0xFFFF
+    return bits.astype(np.float32) / 65536
 
 
 def _noise(s: Array, t: Array) -> Array:
-    """Noise of 0 to 1 with one cell a unit (value noise)."""
-    return map_coordinates(_RANDOM, [s, t], order=1, mode="grid-wrap")
+    """Smooth noise of 0 to 1 with one cell a unit (value noise)."""
+    i = np.floor(s)
+    j = np.floor(t)
+    x = _smooth_step(s - i)
+    y = _smooth_step(t - j)
+    low = _mix(_hash(i, j), _hash(i + 1, j), x)
+    high = _mix(_hash(i, j + 1), _hash(i + 1, j + 1), x)
+    return _mix(low, high, y)
+
+
+def _mix(first: Array, second: Array, share: Array) -> Array:
+    """Mean of two values, with the share of the second."""
+    return first * (1 - share) + second * share
+
+
+def _smooth_step(share: Array) -> Array:
+    """Share of 0 to 1 that rises without a kink at both ends."""
+    return share * share * (3 - 2 * share)
 
 
 def _plain(s: Array, t: Array) -> Array:
@@ -67,8 +86,8 @@ def _bricks(s: Array, t: Array) -> Array:
 def _planks(s: Array, t: Array) -> Array:
     """Boards of different tones with grain, and the gaps between their rows."""
     row = np.floor(t)
-    board = np.floor(s / 8 + _random(row, row))
-    tone = 0.7 * _random(row, board) + 0.3 * _noise(s / 2, 9 * t)
+    board = np.floor(s / 8 + _hash(row, row))
+    tone = 0.7 * _hash(row, board) + 0.3 * _noise(s / 2, 9 * t)
     return np.where(t % 1 < 0.04, 1.0, tone)
 
 

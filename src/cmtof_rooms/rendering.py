@@ -3,7 +3,7 @@
 import io
 import json
 import os
-from collections.abc import Callable, Iterable, Iterator
+from collections.abc import Callable, Iterator
 from concurrent.futures import ProcessPoolExecutor
 from dataclasses import asdict, dataclass
 from functools import partial
@@ -28,13 +28,12 @@ from cmtof_rooms.rooms import (
     LENS,
     FurnishedRoom,
     build_room,
+    close_views,
     room_name,
     stream,
 )
 
 SETTINGS = "rooms.json"  # file in a set's folder that says what it was made from
-
-CAMERA = "cam_00"  # name of the only camera of a room, as Hypersim has it
 
 LARGEST = 4096  # height and width of a view at most, px
 
@@ -87,13 +86,14 @@ class RenderedView(NamedTuple):
 
     room: FurnishedRoom
     lens: Lens
-    number: int  # of the view in its room
+    camera: str  # ``cam_00`` across the room, ``cam_01`` close to things
+    number: int  # of the view among those of its camera
     picture: Picture
 
     @property
     def frame(self) -> Frame:
         """Frame for the simulator."""
-        return frame_of(self.picture, self.lens, f"{self.room.name}/{CAMERA}")
+        return frame_of(self.picture, self.lens, f"{self.room.name}/{self.camera}")
 
 
 class Report(NamedTuple):
@@ -183,21 +183,27 @@ def render_view(
 def render_views(settings: Settings) -> Iterator[RenderedView]:
     """Render a set in this process, view by view, without writing anything."""
     for index in range(settings.scenes):
-        yield from _render(settings, index, range(settings.views))
+        yield from _render(settings, index, _views(index, settings.views))
 
 
 def _render(
     settings: Settings,
     index: int,
-    views: Iterable[int],
+    views: list[tuple[str, int]],
 ) -> Iterator[RenderedView]:
-    """Render views of one room, given by their numbers."""
+    """Render views of one room, given by camera and number."""
     room = build_room(settings.seed, index)
     lens = settings.lens(index)
     cameras = room.cameras(settings.views, lens)
-    for number in views:
-        picture = render_view(room, cameras[number], lens, number)
-        yield RenderedView(room, lens, number, picture)
+    for camera, number in views:
+        # this count of a view does not depend on how many there are
+        picture = render_view(
+            room,
+            cameras[camera][number],
+            lens,
+            number + 4 * int(camera[-2:]),
+        )
+        yield RenderedView(room, lens, camera, number, picture)
 
 
 def frame_of(seen: Picture, lens: Lens, name: str) -> Frame:
@@ -245,14 +251,24 @@ def write_view(
 def render_room(root: Path, settings: Settings, index: int) -> Report:
     """Write the views of one room that are not there yet."""
     name = room_name(settings.seed, index)
-    missing = [
-        number
-        for number in range(settings.views)
-        if not view_exists(root, name, CAMERA, number)
-    ]
+    views = _views(index, settings.views)
+    missing = [view for view in views if not view_exists(root, name, *view)]
     for view in _render(settings, index, missing) if missing else ():
-        write_view(root, name, CAMERA, view.number, **view.picture._asdict())
+        write_view(
+            root,
+            name,
+            view.camera,
+            view.number,
+            **view.picture._asdict(),
+        )
     return Report(name, len(missing))
+
+
+def _views(index: int, views: int) -> list[tuple[str, int]]:
+    """Camera and frame of a room's views: those across the room, then the close ones."""
+    close = close_views(index, views)
+    across = [("cam_00", frame) for frame in range(views - close)]
+    return across + [("cam_01", frame) for frame in range(close)]
 
 
 def render_rooms(
@@ -284,7 +300,7 @@ def render_rooms(
         room_name(settings.seed, index): (
             split_of(index),
             settings.lens(index).focal,
-            [(CAMERA, number) for number in range(settings.views)],
+            _views(index, settings.views),
         )
         for index in range(settings.scenes)
     }

@@ -7,7 +7,12 @@ from numpy.random import Generator
 
 from cmtof_rooms.boxes import Rectangle, Rectangles
 from cmtof_rooms.building import build_shell
-from cmtof_rooms.cameras import Cameras, Lens, room_cameras
+from cmtof_rooms.cameras import (
+    Cameras,
+    Lens,
+    close_cameras,
+    room_cameras,
+)
 from cmtof_rooms.furnishing import Furnishing
 from cmtof_rooms.interior import Interior
 from cmtof_rooms.kit import Kit, household, weighted_choice
@@ -15,10 +20,12 @@ from cmtof_rooms.presets import presets
 from cmtof_rooms.shell import Shell, Wall
 from cmtof_rooms.things import Light, Thing, level_light
 
+CLOSE_SHARE = 0.05  # share of a set's views that are taken from 0.5 to 1.2 m
+
 LIGHTS = 4  # lights that a room has at most: rays are sent to each
 
 # streams of random numbers of one room, so that more views never change the room
-ROOM, CAMERAS, _, LENS, EXPOSURE = range(5)
+ROOM, ACROSS, CLOSE, LENS, EXPOSURE = range(5)
 
 
 def stream(seed: int, index: int, use: int) -> Generator:
@@ -35,6 +42,16 @@ def room_name(seed: int, index: int) -> str:
     return f"room_{seed:03d}_{index:03d}"
 
 
+def close_views(index: int, views: int) -> int:
+    """How many of a room's views are close ones; over many rooms a share of `CLOSE_SHARE`.
+
+    >>> [close_views(i, 5) for i in range(8)]
+    [0, 0, 0, 1, 0, 0, 0, 1]
+    """
+    share = round(views * CLOSE_SHARE, 9)
+    return int((index + 1) * share) - int(index * share)
+
+
 @dataclass(frozen=True)
 class FurnishedRoom:
     """A furnished room with its light; cameras are drawn from it.
@@ -43,33 +60,51 @@ class FurnishedRoom:
     ----------
     seed, index : int
         Of the set, and the room's place in it.
+    kind : str
+        One of the ``rooms`` of `presets.yml`.
     interior : Interior
     floor : list of Rectangle
     height : float
         Of the ceiling, m.
+    furniture : range
+        Numbers of the things that do not belong to the house itself.
     """
 
     seed: int
     index: int
+    kind: str
     interior: Interior
     floor: Rectangles
     height: float
+    furniture: range
 
     @property
     def name(self) -> str:
         """Folder of the room, see `room_name`."""
         return room_name(self.seed, self.index)
 
-    def cameras(self, views: int, lens: Lens) -> Cameras:
-        """Poses, one in twenty a close one; the first stay the same when more are asked for."""
-        return room_cameras(
-            [(7 * self.index + number) % 20 == 19 for number in range(views)],
+    def cameras(self, views: int, lens: Lens) -> dict[str, Cameras]:
+        """Poses of ``cam_00`` (across the room) and ``cam_01`` (close to things).
+
+        Together ``views``; the first ones stay the same when more are asked for.
+        """
+        close = close_views(self.index, views)
+        across = room_cameras(
+            views - close,
             self.interior,
             lens,
             floor=self.floor,
             height=self.height,
-            rng=stream(self.seed, self.index, CAMERAS),
+            rng=stream(self.seed, self.index, ACROSS),
         )
+        near = close_cameras(
+            close,
+            self.interior,
+            lens,
+            things=np.array(self.furniture),
+            rng=stream(self.seed, self.index, CLOSE),
+        )
+        return {"cam_00": across, "cam_01": near}
 
 
 def build_room(seed: int, index: int) -> FurnishedRoom:
@@ -84,28 +119,58 @@ def build_room(seed: int, index: int) -> FurnishedRoom:
     inside.fill({name: tidy * mean for name, mean in rooms[kind]["things"].items()})
     for wall in shell.beyond:
         inside.things += _things_beyond(wall, kit)
-    interior = Interior(
+    return FurnishedRoom(
+        seed,
+        index,
+        kind,
+        _lit(shell, inside),
+        shell.floor,
+        shell.height,
+        _numbers(shell, inside),
+    )
+
+
+def _lit(shell: Shell, inside: Furnishing) -> Interior:
+    """The furnished room with its strongest lights."""
+    size = np.array([shell.width, shell.depth, shell.height])
+    return Interior(
         shell.things + inside.things,
         _strongest(shell, inside.lights),
-        [np.full(3, 0.1), np.subtract(shell.size, 0.1)],
+        [np.full(3, 0.1), size - 0.1],
         sky=shell.sky,
     )
-    return FurnishedRoom(seed, index, interior, shell.floor, shell.height)
+
+
+def _numbers(shell: Shell, inside: Furnishing) -> range:
+    """Numbers of the furniture; of everything in an empty room."""
+    first = len(shell.things) + 1
+    return range(first if inside.things else 1, first + len(inside.things))
 
 
 def _things_beyond(wall: Wall, kit: Kit) -> list[Thing]:
     """Furniture at the far wall of a room beyond a passage."""
     everywhere = Rectangle(-99.0, 99.0, -99.0, 99.0)
     far = Furnishing(Shell(0.0, 0.0, 2.0, [wall], [everywhere]), kit)
-    far.fill(presets()["beyond"])
+    far.fill(
+        {
+            "sideboard": 0.5,
+            "picture": 0.7,
+            "big_plant": 0.5,
+            "bookcase": 0.3,
+        }
+    )
     return far.things
 
 
 def _strongest(shell: Shell, lamps: list[Light]) -> list[Light]:
     """At most `LIGHTS` lights; the strongest lamps shine for those that were left out."""
     if not shell.lights and not lamps:  # a lamp that nobody sees
-        width, depth, height = shell.size
-        lamps = [level_light((width / 2, depth / 2, height - 0.05), 0.3, 0.3, 2.0)]
+        middle = (
+            shell.width / 2,
+            shell.depth / 2,
+            shell.height - 0.05,
+        )
+        lamps = [level_light(middle, 0.3, 0.3, 2.0)]
     dimmed = 0.15 if shell.day else 1.0
     lamps = [lamp._replace(power=lamp.power * dimmed) for lamp in lamps]
     every = sorted([*shell.lights, *lamps], key=lambda light: -light.power)

@@ -15,7 +15,7 @@ from cmtof_rooms.arrays import Triple
 from cmtof_rooms.boxes import Box, Rectangle, Rectangles
 from cmtof_rooms.kit import Kit
 from cmtof_rooms.materials import Material
-from cmtof_rooms.solids import join, move, plate, turn_about_z
+from cmtof_rooms.solids import move, plate, slab, turn_about_z
 from cmtof_rooms.things import Light, Part, Thing
 
 THICKNESS = 0.15  # of walls, m
@@ -38,9 +38,17 @@ class Wall:
             [*self.origin, 0.0]
         )
 
-    def part(self, material: Material, *solids: Trimesh | Box) -> Part:
-        """Solids of the wall's frame as a part of the room."""
-        return Part(move(join(solids), (*self.origin, 0.0), self.turn), material)
+    def parts(self, material: Material, *solids: Trimesh | Box) -> list[Part]:
+        """Solids of the wall's frame, each as a part of one material in the room."""
+        meshes: list[Trimesh] = []
+        for solid in solids:
+            if isinstance(solid, Box):
+                meshes += [slab(*single) for single in solid.singles()]
+            else:
+                meshes.append(solid)
+        return [
+            Part(move(one, (*self.origin, 0.0), self.turn), material) for one in meshes
+        ]
 
     def footprint(self, piece: Rectangle, y0: float, y1: float) -> Rectangle:
         """Floor along a piece of it between two distances outwards, m; quarter turns only."""
@@ -50,7 +58,7 @@ class Wall:
 
     def free(self, piece: Rectangle) -> bool:
         """Whether nothing is in or before a piece of it."""
-        return not piece.meets(self.taken)
+        return not piece.meets(self.taken, gap=0.0)
 
     def gap(self, kit: Kit, width: float) -> float | None:
         """Draw the start of a free piece, m, for a door or a passage; None after some tries."""
@@ -120,12 +128,10 @@ class Shell:
 
     def build(self, kind: str, wall: Wall, *pieces: tuple) -> None:
         """Add a thing made of pieces of one material each, given in the frame of a wall."""
-        self.add(kind, *[wall.part(*piece) for piece in pieces])
-
-    @property
-    def size(self) -> Triple:
-        """Width, depth and height."""
-        return self.width, self.depth, self.height
+        self.add(
+            kind,
+            *[part for piece in pieces for part in wall.parts(*piece)],
+        )
 
     def headroom(self, area: Rectangle) -> float:
         """Free height above a rectangle of the floor, m."""

@@ -1,9 +1,6 @@
 """Solids of rooms: a few closed shapes on trimesh, in metres, z up."""
 
 from collections.abc import Iterable, Sequence
-from functools import partial
-from itertools import pairwise
-from typing import Any
 
 import numpy as np
 import trimesh
@@ -11,15 +8,43 @@ from numpy.random import Generator
 from numpy.typing import ArrayLike
 from trimesh import Trimesh
 
-from cmtof.types import Array, Numbers
+from cmtof.types import Array, Flags, Numbers
 
-_CUBE = trimesh.creation.box(bounds=[[0, 0, 0], [1, 1, 1]])
-_CORNERS = np.array(_CUBE.vertices, int)
+_CORNERS = np.indices((2, 2, 2)).reshape(3, 8).T - 0.5
+"""Corners of a unit cube about the origin."""
+
+_SIDES = [
+    [0, 1, 3, 2],
+    [4, 6, 7, 5],
+    [0, 4, 5, 1],
+    [2, 3, 7, 6],
+    [0, 2, 6, 4],
+    [1, 5, 7, 3],
+]
+"""Corners of each side of the cube, counter-clockwise from outside."""
+
+_HALVES = [[0, 1, 2], [0, 2, 3]]
+"""Corners of a quadrilateral that make its two triangles."""
+
+_BOX_FACES = np.array(_SIDES)[:, _HALVES].reshape(12, 3)
 
 
 def mesh_from(vertices: Array, faces: Numbers) -> Trimesh:
     """Mesh of vertices (V, 3), m, and triangles (F, 3), which stay as they are."""
     return Trimesh(vertices, faces, process=False)
+
+
+def box(size: ArrayLike, centre: ArrayLike = (0.0, 0.0, 0.0)) -> Trimesh:
+    """Box of full ``size`` (x, y, z) about ``centre``, m; several from arrays (..., 3).
+
+    >>> float(box((1, 2, 3)).volume)
+    6.0
+    """
+    sizes = np.asarray(size, float)[..., None, :]
+    corners = _CORNERS * sizes + np.asarray(centre, float)[..., None, :]
+    count = corners.size // 24
+    faces = _BOX_FACES + 8 * np.arange(count)[:, None, None]
+    return mesh_from(corners.reshape(-1, 3), faces.reshape(-1, 3))
 
 
 def slab(*limits: ArrayLike) -> Trimesh:
@@ -30,10 +55,31 @@ def slab(*limits: ArrayLike) -> Trimesh:
     >>> float(slab(0, 1, 0, 2, [0, 2], [1, 3]).volume)
     4.0
     """
-    ends = np.stack(np.broadcast_arrays(*limits), -1).reshape(-1, 3, 2)
-    corners = ends[:, range(3), _CORNERS]
-    first = 8 * np.arange(len(ends))[:, None, None]
-    return mesh_from(corners.reshape(-1, 3), (_CUBE.faces + first).reshape(-1, 3))
+    corners = np.stack(np.broadcast_arrays(*limits), -1)
+    low = corners[..., ::2]
+    high = corners[..., 1::2]
+    return box(high - low, (low + high) / 2)
+
+
+def extrusion(outline: ArrayLike, height: float) -> Trimesh:
+    """Prism over an outline (N, 2), m, counter-clockwise and star-shaped about its mean.
+
+    >>> round(float(extrusion([(0, 0), (2, 0), (0, 1)], 3.0).volume), 6)
+    3.0
+    """
+    flat = np.asarray(outline, float)
+    ring = np.arange(len(flat))
+    faces = _join_corners(len(flat), ring, np.roll(ring, -1))
+    points = np.vstack([flat, flat.mean(0)])
+    return trimesh.creation.extrude_triangulation(points, faces, height)
+
+
+def ellipse(width: float, depth: float, sections: int = 32) -> Array:
+    """Outline (N, 2) of an ellipse about the origin, m."""
+    turn = 2 * np.pi * np.arange(sections) / sections
+    x = width / 2 * np.cos(turn)
+    y = depth / 2 * np.sin(turn)
+    return np.stack([x, y], 1)
 
 
 def plate(
@@ -54,7 +100,6 @@ def plate(
     Returns
     -------
     Trimesh
-        Boxes side by side.
 
     Examples
     --------
@@ -65,12 +110,15 @@ def plate(
     cut = np.array(holes, float).reshape(-1, 4)
     x = _lines(width, cut[:, :2])
     z = _lines(height, cut[:, 2:])
-    solid = np.ones((len(x) - 1, len(z) - 1), bool)
-    for hole in cut:
-        columns = slice(*np.searchsorted(x, hole[:2]))
-        solid[columns, slice(*np.searchsorted(z, hole[2:]))] = False
-    i, k = np.nonzero(solid)
-    return slab(x[i], x[i + 1], 0, thickness, z[k], z[k + 1])
+    number = np.arange(len(x) * len(z)).reshape(len(x), len(z))
+    faces = triangles_of(cells_of(number)[_outside(cut, x, z)])
+    points = np.stack(np.meshgrid(x, z, indexing="ij"), -1).reshape(-1, 2)
+    solid = trimesh.creation.extrude_triangulation(points, faces, thickness)
+    solid.vertices = solid.vertices[
+        :, [0, 2, 1]
+    ]  # (x, z, y) to (x, y, z), a reflection
+    solid.faces = solid.faces[:, ::-1]
+    return solid
 
 
 def _lines(length: float, edges: Array) -> Array:
@@ -79,7 +127,38 @@ def _lines(length: float, edges: Array) -> Array:
     return np.unique(np.clip(every, 0, length))
 
 
-def revolution(profile: ArrayLike, sections: int = 32) -> Trimesh:
+def _outside(holes: Array, x: Array, z: Array) -> Flags:
+    """Whether the middle of each cell between grid lines x and z lies in no hole."""
+    x0, x1, z0, z1 = holes.T[:, :, None, None]
+    middle_x = ((x[1:] + x[:-1]) / 2)[:, None]
+    middle_z = (z[1:] + z[:-1]) / 2
+    across = (middle_x > x0) & (middle_x < x1)
+    upright = (middle_z > z0) & (middle_z < z1)
+    return ~(across & upright).any(axis=0)
+
+
+def cells_of(number: Numbers) -> Numbers:
+    """Corners (N - 1, M - 1, 4), in turn, of the cells of a grid of numbered points (N, M)."""
+    corners = [
+        number[:-1, :-1],
+        number[1:, :-1],
+        number[1:, 1:],
+        number[:-1, 1:],
+    ]
+    return np.stack(corners, -1)
+
+
+def triangles_of(cells: Numbers) -> Numbers:
+    """Triangles (2 N, 3) of cells (N, 4): first one half of each, then the other."""
+    return np.concatenate([cells[:, half] for half in _HALVES])
+
+
+def _join_corners(first: Numbers | int, second: Numbers, third: Numbers) -> Numbers:
+    """Triangles (N, 3) of N first, second and third corners, or of one first corner for all."""
+    return np.stack(np.broadcast_arrays(first, second, third), 1)
+
+
+def revolution(profile: ArrayLike, sections: int = 28) -> Trimesh:
     """Solid of revolution about z of a profile (N, 2) of radius and height, m, bottom to top.
 
     Ends that do not lie on the axis are joined to it.
@@ -89,19 +168,50 @@ def revolution(profile: ArrayLike, sections: int = 32) -> Trimesh:
     True
     """
     rings = np.asarray(profile, float)
-    ends = rings[[0, -1]] * [0, 1]
-    whole = np.vstack([ends[:1], rings, ends[1:]])
-    return trimesh.creation.revolve(whole, sections=sections)
+    on_axis = rings * [0, 1]
+    if rings[0, 0] > 0:
+        rings = np.vstack([on_axis[:1], rings])
+    if rings[-1, 0] > 0:
+        rings = np.vstack([rings, on_axis[-1:]])
+    return trimesh.creation.revolve(rings, sections=sections)
 
 
-def bar(path: ArrayLike, radius: float) -> Trimesh:
-    """Round bars of a radius, m, from point to point of a path (N, 3), m.
+def sweep(path: ArrayLike, radius: ArrayLike, sections: int = 10) -> Trimesh:
+    """Round bar along a path (N, 3), m, of one radius or one for each point, m.
 
-    >>> bool(bar([(0, 0, 0), (0, 0, 2)], 0.1).is_watertight)
-    True
+    >>> bar = sweep([(0, 0, 0), (0, 0, 2)], 0.1, sections=400)
+    >>> bar.is_watertight, round(float(bar.volume) / (2 * np.pi * 0.01), 3)
+    (True, 1.0)
     """
-    cylinder = partial(trimesh.creation.cylinder, radius, sections=8)
-    return join(cylinder(segment=ends) for ends in pairwise(np.asarray(path)))
+    line = np.asarray(path, float)
+    radii = np.broadcast_to(radius, len(line))
+    rings = line[:, None] + radii[:, None, None] * _circles(line, sections)
+    vertices = np.concatenate([rings.reshape(-1, 3), line[[0, -1]]])
+    number = np.arange(rings[..., 0].size).reshape(-1, sections)
+    closed = np.hstack([number, number[:, :1]])
+    cells = cells_of(closed)[..., [0, 3, 2, 1]]
+    faces = [
+        triangles_of(cells.reshape(-1, 4)),
+        _join_corners(len(vertices) - 2, closed[0, 1:], closed[0, :-1]),
+        _join_corners(len(vertices) - 1, closed[-1, :-1], closed[-1, 1:]),
+    ]
+    return mesh_from(vertices, np.concatenate(faces))
+
+
+def _circles(line: Array, sections: int) -> Array:
+    """Unit circles (N, sections, 3) across a path (N, 3)."""
+    along = _unit(np.gradient(line, axis=0))
+    # one axis that no part of the path follows serves all rings
+    aside = np.eye(3)[np.abs(along).max(axis=0).argmin()]
+    u = _unit(np.cross(along, aside))
+    v = np.cross(along, u)
+    cosine, sine = ellipse(2.0, 2.0, sections).T[:, :, None]
+    return cosine * u[:, None] + sine * v[:, None]
+
+
+def _unit(vectors: Array) -> Array:
+    """Vectors (N, 3) of the same directions and length one."""
+    return vectors / np.linalg.norm(vectors, axis=1, keepdims=True)
 
 
 def ball(
@@ -150,17 +260,54 @@ def ball(
     return mesh_from(points * np.broadcast_to(radius, 3), unit.faces)
 
 
-def join(solids: Iterable[Any]) -> Trimesh:
-    """Several solids as one mesh; one that is no mesh has the limits of a `slab`."""
-    meshes = [one if isinstance(one, Trimesh) else slab(*one) for one in solids]
-    vertices = [one.vertices for one in meshes]
-    faces = [one.faces for one in meshes]
+def sheet(grid: ArrayLike, thickness: float) -> Trimesh:
+    """Closed sheet over a grid of points (N, M, 3), m, thick along the grid's mean normal.
+
+    >>> x, y = np.meshgrid([0.0, 1.0, 2.0], [0.0, 1.0], indexing="ij")
+    >>> cloth = sheet(np.stack([x, y, 0 * x], -1), 0.01)
+    >>> cloth.is_watertight, round(float(cloth.volume), 6)
+    (True, 0.02)
+    """
+    points = np.asarray(grid, float)
+    diagonal = points[-1, -1] - points[0, 0]
+    other = points[-1, 0] - points[0, -1]
+    normal = np.cross(other, diagonal)
+    back = points - thickness * normal / np.linalg.norm(normal)
+    vertices = np.concatenate([points, back]).reshape(-1, 3)
+    faces = _sheet_faces(len(vertices) // 2, points.shape[1])
+    solid = mesh_from(vertices, faces)
+    if solid.volume > 0:
+        return solid
+    return mesh_from(vertices, faces[:, ::-1])
+
+
+def _sheet_faces(count: int, columns: int) -> Numbers:
+    """Triangles of a closed sheet whose two sides have ``count`` vertices each, row by row."""
+    number = np.arange(count).reshape(-1, columns)
+    front = triangles_of(cells_of(number).reshape(-1, 4))
+    edges = [
+        number[:-1, 0],
+        number[-1, :-1],
+        number[:0:-1, -1],
+        number[0, :0:-1],
+    ]
+    rim = np.concatenate(edges)
+    following = np.roll(rim, -1)
+    faces = [
+        front,
+        front[:, ::-1] + count,
+        _join_corners(rim, rim + count, following),
+        _join_corners(following, rim + count, following + count),
+    ]
+    return np.concatenate(faces)
+
+
+def join(meshes: Iterable[Trimesh]) -> Trimesh:
+    """Several solids as one mesh."""
+    several = list(meshes)
+    vertices = [one.vertices for one in several]
+    faces = [one.faces for one in several]
     return mesh_from(*trimesh.util.append_faces(vertices, faces))
-
-
-def scaled(mesh: Trimesh, size: ArrayLike) -> Trimesh:
-    """Copy that is larger by factors along x, y and z."""
-    return mesh_from(np.asarray(mesh.vertices) * size, mesh.faces)
 
 
 def move(mesh: Trimesh, shift: ArrayLike, turn: float = 0.0) -> Trimesh:

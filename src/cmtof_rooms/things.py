@@ -4,8 +4,10 @@ from typing import NamedTuple
 
 from trimesh import Trimesh
 
+from cmtof.types import Array
 from cmtof_rooms.arrays import Vector
 from cmtof_rooms.materials import Colour, Material
+from cmtof_rooms.solids import join
 
 
 class Part(NamedTuple):
@@ -20,6 +22,11 @@ class Thing(NamedTuple):
 
     kind: str
     parts: list[Part]
+
+    @property
+    def bounds(self) -> Array:
+        """Lowest and highest corner (2, 3), m."""
+        return join(part.mesh for part in self.parts).bounds
 
 
 class Light(NamedTuple):

@@ -5,12 +5,11 @@ from typing import NamedTuple
 
 import numpy as np
 
-from cmtof.types import Array, Fields
+from cmtof.types import Array, Fields, Pair
 from cmtof_rooms.arrays import Triple
 from cmtof_rooms.boxes import Rectangle, Rectangles
 from cmtof_rooms.kit import Kit
 from cmtof_rooms.shell import Shell, Wall
-from cmtof_rooms.solids import turn_about_z
 from cmtof_rooms.things import Light
 
 Kind = Fields  # one of the ``kinds`` of `presets.yml`
@@ -28,14 +27,24 @@ class Place(NamedTuple):
     z: float
     turn: float
 
-    def carry(self, x: float, y: float) -> Array:
-        """Point (2,) of the thing's own frame in the room, m."""
-        return self[:2] + np.array([x, y, 0.0]) @ turn_about_z(self.turn)[:, :2]
+    def carry(self, x: float, y: float) -> Pair:
+        """Point of the thing's own frame in the room, m."""
+        cosine = np.cos(self.turn)
+        sine = np.sin(self.turn)
+        return (
+            self.x + cosine * x - sine * y,
+            self.y + sine * x + cosine * y,
+        )
 
 
-def turned_size(width: float, depth: float, turn: float) -> Array:
-    """Size along x and y (2,), m, of a rectangle that is turned by ``turn``, rad."""
-    return np.abs(turn_about_z(turn)[:2, :2]) @ (width, depth)
+def turned_size(width: float, depth: float, turn: float) -> Pair:
+    """Size along x and y, m, of a rectangle that is turned by ``turn``, rad."""
+    cosine = abs(np.cos(turn))
+    sine = abs(np.sin(turn))
+    return (
+        width * cosine + depth * sine,
+        depth * cosine + width * sine,
+    )
 
 
 @dataclass
@@ -48,20 +57,20 @@ class Vacancy:
     kit : Kit
     lights : list of Light
         Lamps in the room.
-    clear : list of Rectangle
-        Floor that stays free.
     taken : list of Rectangle
         Floor on which something stands.
     tall : list of Rectangle
         Where that reaches up to the lamps.
+    clear : list of Rectangle
+        Floor that stays free.
     """
 
     shell: Shell
     kit: Kit
-    lights: list[Light]
-    clear: Rectangles
+    lights: list[Light] = field(default_factory=list)
     taken: Rectangles = field(default_factory=list)
     tall: Rectangles = field(default_factory=list)
+    clear: Rectangles = field(default_factory=list)
 
     def find(self, kind: Kind, size: Extents) -> Place | None:
         """Draw a free place for a thing of a kind and take it; None after some tries."""
@@ -162,10 +171,7 @@ class Vacancy:
         flat = kind["at"] == "flat"
         margin = kind.get("clear", 0.15)
         floor = self._some_floor()
-        turn = self.kit.index(range(4)) * np.pi / 2
-        if not flat and self.kit.chance(0.3):
-            turn += self.kit.between(-0.3, 0.3)
-        covered = turned_size(*size[:2], turn)
+        turn, covered = self._turned(size, flat)
         if (floor.size < covered + 2 * margin).any():
             return None
         spare = floor.size - covered - 2 * margin
@@ -184,6 +190,15 @@ class Vacancy:
         else:
             return None
         return Place(middle[0], middle[1], 0.0, turn)
+
+    def _turned(self, size: Extents, flat: bool) -> tuple[float, Array]:
+        """Draw a turn, rad, and say what size of the floor, m, a thing then covers."""
+        width, depth, _ = size
+        quarters = self.kit.rng.integers(4)
+        tilted = not flat and self.kit.chance(0.3)
+        tilt = self.kit.between(-0.3, 0.3) if tilted else 0.0
+        turned = (width, depth) if quarters % 2 == 0 else (depth, width)
+        return quarters * np.pi / 2 + tilt, np.array(turned_size(*turned, tilt))
 
     def _some_floor(self) -> Rectangle:
         """Draw one of the rectangles that cover the floor."""

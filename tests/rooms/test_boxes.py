@@ -15,6 +15,7 @@ CUBE = Box(0.0, 1.0, 0.0, 1.0, 0.0, 1.0)
         (Rectangle(0.2, 0.8, 0.2, 0.8), True),
         (Rectangle(0.9, 2.0, 0.9, 2.0), True),
         (Rectangle(1.0, 2.0, 0.0, 1.0), False),
+        (Rectangle(0.0, 1.0, 1.5, 2.0), False),
     ],
 )
 def test_rectangles_meet_only_where_they_share_more_than_an_edge(other, meets):
@@ -22,9 +23,23 @@ def test_rectangles_meet_only_where_they_share_more_than_an_edge(other, meets):
     assert other.meets([CUBE.floor]) == meets
 
 
+@mark.parametrize("side", ["x0", "x1", "y0", "y1", "z0", "z1"])
+def test_a_layer_lies_inside_at_its_side(side):
+    layer = CUBE.layer(side, 0.25)
+    assert getattr(layer, side) == getattr(CUBE, side)
+    assert np.prod(layer.size) == 0.25
+    assert CUBE.inset(**{side: 0.25}) == CUBE.cut(
+        **{side: 0.75 if "1" in side else 0.25}
+    )
+
+
 def test_limits_that_are_arrays_stand_for_several_boxes():
     ends = CUBE.ends("x", 0.25)
     assert ends.singles() == [CUBE.cut(x1=0.25), CUBE.cut(x0=0.75)]
     assert slab(*ends).volume == approx(0.5)
     bars = CUBE.bars("z", np.array([0.2, 0.5, 0.9]), 0.01)
-    assert [round(bar.z0, 9) for bar in bars.singles()] == [0.19, 0.49, 0.89]
+    assert [round(bar.z0, 9) for bar in bars.singles()] == [
+        0.19,
+        0.49,
+        0.89,
+    ]

@@ -7,11 +7,14 @@ from pathlib import Path
 import numpy as np
 import pytest
 from numpy.testing import assert_array_less
-from pytest import fixture, mark, raises
+from pytest import approx, fixture, mark, raises
 
 from cmtof.frame import brightness
+from cmtof.hardness import hardness
+from cmtof_rooms.interior import Picture
 from cmtof_rooms.rendering import (
     Settings,
+    expose,
     render_rooms,
     render_views,
     shape_from_text,
@@ -57,6 +60,17 @@ def test_depth_agrees_with_stored_values_of_another_machine():
     assert np.median(off) < 1e-6
 
 
+def test_views_are_exposed_to_the_median_of_their_rank():
+    color = np.random.default_rng(2).uniform(0, 3, (40, 50, 3)).astype(np.float32)
+    one = np.ones((40, 50), np.float32)
+    seen = Picture(color, one, color, one)
+    ranks = np.linspace(0.21, 0.99, 9)
+    medians = [np.median(brightness(expose(seen, rank).color)) for rank in ranks]
+    assert np.all(np.diff(medians) > 0)
+    assert medians[4] == approx(0.38, rel=0.02)
+    assert np.median(brightness(expose(seen, 0.1).color)) < 0.05
+
+
 @fixture(scope="module")
 def views():
     return list(render_views(Settings(51, 30, 3, 128, 192, 221.7)))
@@ -75,7 +89,16 @@ def test_depth_and_brightness_are_spread_nearly_as_hypersims(views):
     assert_array_less(np.abs(np.log(apart)), np.log([1.6, 1.4, 1.4, 1.5]))
 
 
-@mark.parametrize("focal", [0.0, 1e6, float("nan")])
+@mark.slow
+def test_views_are_mostly_smooth_and_whole(views):
+    slope = np.median(
+        np.concatenate([hardness(view.frame.depth).slope for view in views])
+    )
+    assert slope < 0.3  # wraps a pixel, at half the resolution of the book
+    assert np.mean([np.isnan(view.frame.depth).mean() for view in views]) < 0.05
+
+
+@mark.parametrize("focal", [0.0, -1.0, 1e6, float("nan"), float("inf")])
 def test_an_impossible_focal_length_is_refused_before_anything_is_written(
     focal, tmp_path
 ):
@@ -95,10 +118,12 @@ def test_an_impossible_focal_length_is_refused_before_anything_is_written(
             "big",
             "Expected a size like 512x512, got big. Try 768x1024.",
         ),
+        ("512", "Expected a size like 512x512, got 512."),
         (
             "0x8",
             "Expected 1 to 4096 px, got a size of 0x8. Try 768x1024.",
         ),
+        ("8x4097", "Expected 1 to 4096 px, got a size of 8x4097."),
     ],
 )
 def test_an_impossible_size_is_refused(text, message):

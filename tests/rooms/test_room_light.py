@@ -9,7 +9,7 @@ from cmtof_rooms.bounce import measure_bounce
 from cmtof_rooms.cameras import Lens, look_at
 from cmtof_rooms.interior import Interior
 from cmtof_rooms.materials import Material
-from cmtof_rooms.solids import ball, move, slab
+from cmtof_rooms.solids import ball, box, move
 from cmtof_rooms.things import Light, Part, Thing, level_light
 
 pytest.importorskip("embreex")
@@ -18,19 +18,14 @@ INSIDE = ((-1, -1, 0.1), (1, 1, 1.9))
 
 def floor(albedo=0.5, z=-0.5, **more):
     """A large plate; its middle lies at a height, m."""
-    mesh = slab(-10, 10, -10, 10, z - 0.5, z + 0.5)
-    return Thing("floor", [Part(mesh, Material((albedo,) * 3, **more))])
+    return Thing(
+        "floor", [Part(box((20, 20, 1), (0, 0, z)), Material((albedo,) * 3, **more))]
+    )
 
 
 def point_light(power):
     """A light of no size 2 m above the floor."""
-    return Light(
-        (0, 0, 2),
-        (0, 0, 0),
-        (0, 0, 0),
-        (0, 0, 0),
-        power,
-    )
+    return Light((0, 0, 2), (0, 0, 0), (0, 0, 0), (0, 0, 0), power)
 
 
 def up(points):
@@ -67,7 +62,7 @@ def test_shadows_are_where_the_light_is_hidden():
     interior = Interior([floor(), above], [point_light(1.0)], INSIDE)
     edge = 2 * np.tan(np.arcsin(0.3))
     beside = places([0.0, edge - 0.03, edge + 0.03])
-    found = interior.direct(beside, up(beside), np.zeros(3, int))[:, 0]
+    found = interior.direct(beside, up(beside))[:, 0]
     assert found[0] == found[1] == 0
     assert found[2] > 0.1
 
@@ -84,10 +79,25 @@ def test_a_furnace_of_equal_radiance_one_gives_irradiance_one_to_all_sides():
     assert_allclose(bounce.irradiance(points, normals), 1.0, atol=0.03)
 
 
+@mark.parametrize("albedo", [0.0, 0.4, 0.8])
+def test_one_bounce_gives_no_more_than_reflectance_times_the_first_light(albedo):
+    light = level_light((0, 0, 1.9), 0.2, 0.2, 1.0)
+    interior = Interior([floor(albedo), floor(albedo, 2.5)], [light], INSIDE)
+    points = np.random.default_rng(0).uniform(-1, 1, (81, 3)).astype(np.float32)
+    points[:, 2] = 1.99
+    scattered = interior.bounce.irradiance(points, -up(points))
+    most = interior.direct(places([0.0]), up([0]))[0, 0]
+    assert (scattered >= 0).all()
+    assert scattered.max() <= albedo * most + 1e-6
+    assert scattered.mean() >= 0.1 * albedo * most
+
+
 def test_only_what_is_lit_from_its_front_scatters_light():
-    interior = Interior([floor(0.5)], [point_light(3.0)], INSIDE)
-    origins = np.array([[0, 0, 1], [0, 0, -0.5], [0, 0, 1]], np.float32)
-    rays = np.array([[0, 0, -1], [0, 0, -1], [0, 0, 1]], np.float32)
+    interior = Interior([floor(0.5)], [level_light((0, 0, 2), 0.1, 0.1, 3.0)], INSIDE)
+    origins = np.zeros((3, 3), np.float32)
+    origins[:, 2] = [1, -0.5, 1]
+    rays = np.zeros_like(origins)
+    rays[:, 2] = [-1, -1, 1]
     radiance, behind = interior.lit(origins, rays)
     assert radiance[0, 0] == approx(0.5 * 3 / 4, rel=1e-3)
     assert not radiance[1:].any()

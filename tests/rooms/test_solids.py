@@ -3,10 +3,16 @@
 import numpy as np
 from pytest import approx, mark
 
+from cmtof.correlation import TAU
 from cmtof_rooms import solids
 
+GRID = np.stack([*np.mgrid[:3, :2], np.zeros((3, 2))], axis=-1)
+
+
 SOLIDS = {
+    "box": (solids.box((1, 2, 3), (5, 5, 5)), 6.0),
     "two boxes": (solids.slab(0, 1, 0, 2, [0, 4], [3, 5]), 8.0),
+    "cylinder": (solids.extrusion(solids.ellipse(2.0, 2.0, 200), 2.0), TAU),
     "plate with a door and a window": (
         solids.plate(4.0, 2.5, 0.2, [(1, 2, 0, 2), (2.5, 3.5, 1, 2)]),
         0.2 * (10 - 2 - 1),
@@ -15,30 +21,46 @@ SOLIDS = {
         solids.plate(2.0, 2.0, 0.1, [(-1, 1, -1, 1)]),
         0.3,
     ),
+    "cone": (solids.revolution([(1, 0), (0, 3)], sections=300), np.pi),
     "bowl": (
         solids.revolution([(1, 0), (1, 1), (0.9, 1), (0.9, 0.1)], sections=300),
         0.271 * np.pi,
     ),
     "bar": (
-        solids.bar([(0, 0, 0), (1, 0, 0), (1, 0, 2)], 0.1),
-        0.03 * 2 * np.sqrt(2),  # of an octagon
+        solids.sweep([(0, 0, 0), (1, 0, 0), (3, 0, 0)], 0.1, sections=300),
+        0.03 * np.pi,
+    ),
+    "taper": (
+        solids.sweep([(0, 0, 0), (0, 0, 1)], [1.0, 0.5], sections=300),
+        np.pi * 1.75 / 3,
     ),
     "ball": (solids.ball(1.0, fineness=5), 4 * np.pi / 3),
+    "sheet": (solids.sheet(GRID, 0.01), 0.02),
+    "sheet from its other side": (solids.sheet(GRID[::-1], 0.01), 0.02),
 }
 
 
 @mark.parametrize("name", SOLIDS)
 def test_a_solid_is_closed_and_has_its_volume(name):
     solid, volume = SOLIDS[name]
-    assert solid.is_volume
+    assert solid.is_watertight
+    assert solid.is_winding_consistent
     assert solid.volume == approx(volume, rel=2e-3)
 
 
-def test_noise_keeps_a_ball_closed_and_follows_the_seed():
-    one, same, other = (
-        solids.ball((1, 2, 3), noise=0.3, rng=np.random.default_rng(seed))
-        for seed in (1, 1, 2)
+def test_joined_solids_keep_their_volumes():
+    both = solids.join(
+        [solids.box((1, 1, 1)), solids.move(solids.box((1, 1, 2)), (5, 0, 0), 0.3)]
     )
+    assert both.is_watertight
+    assert both.volume == approx(3.0)
+
+
+def test_noise_keeps_a_ball_closed_and_follows_the_seed():
+    def bumpy(seed):
+        return solids.ball((1, 2, 3), noise=0.3, rng=np.random.default_rng(seed))
+
+    one = bumpy(1)
     assert one.is_watertight
-    assert np.array_equal(one.vertices, same.vertices)
-    assert not np.array_equal(one.vertices, other.vertices)
+    assert np.array_equal(one.vertices, bumpy(1).vertices)
+    assert not np.array_equal(one.vertices, bumpy(2).vertices)
