@@ -108,7 +108,7 @@ reference: setup ## Store the numbers of the ci profile as the ones that tests c
 	@$(call build,ci)
 	@$(BIN)/python -m cmtof_book.reference
 
-bench: setup ## Measure seconds and memory of every method, as chapter 10 shows them
+bench: setup ## Time the hot loops against what bounds them
 	@$(BIN)/python -m cmtof_book.benchmarks
 
 lock: setup ## Solve for new versions of every package into environment.lock

@@ -300,7 +300,7 @@ notes.table(["method", "mean confidence, %", "right, %", "calibration error, %"]
 # ## Costs
 #
 # Seconds and memory for a frame of 768×1024 pixels on one thread, each method in a process of its
-# own (`python -m cmtof_book.benchmarks`).
+# own (`python -m cmtof_book.benchmarks --store`).
 
 # %% tags=["hide-input"]
 path = Path(results) / "methods_cost.json"

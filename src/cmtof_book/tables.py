@@ -1,71 +1,96 @@
 """Count methods over all test frames and store the counts where the chapters find them.
 
     python -m cmtof_book.tables [--protocol released|full] [--noise SIGMA] [--size 768x1024]
-                                [--offset LOW HIGH] [METHOD...]
+                                [--offset LOW HIGH] [--again] [METHOD...]
     python -m cmtof_book.tables --runs FOLDER
 
-Without names: every method and reference that is not yet counted. With ``--runs`` weights are
-counted by their folders' names. With ``--size`` the test views are rendered at that size first;
-``--offset`` adds to the phases of the two frequencies, mrad (Table 3). The file is named by table
-and options.
+Without names: every method and reference. Only methods that are new or have other weights are
+counted, unless ``--again`` is given. With ``--runs`` weights are counted by their folders' names.
+With ``--size`` the test views are rendered at that size first; ``--offset`` adds to the phases of
+the two frequencies, mrad (Table 3). The file is named by table and options.
 """
 
 import json
+import os
+from collections.abc import Iterable, Iterator, Sequence
 from itertools import zip_longest
 from pathlib import Path
-from typing import Annotated, Literal
+from typing import Annotated, Literal, NamedTuple
 
 import typer
 
-from cmtof import __version__
-from cmtof.evaluation import Evaluation, digest
-from cmtof.files import written_whole
-from cmtof.frame import held_out_frames
-from cmtof.methods import METHODS, find_method, names_of
-from cmtof.network.weights import read_card, weights_path
-from cmtof_book import RESULTS, Values
-from cmtof_book.frames import views_of_size
-from cmtof_book.provenance import read_json
-from cmtof_rooms.rendering import shape_from_text
+from cmtof_book import RESULTS, THREADS, Values
+
+for variable in THREADS:
+    os.environ.setdefault(variable, "1")  # before NumPy and torch are loaded
+
+from cmtof import __version__  # noqa: E402
+from cmtof.evaluation import Evaluation, digest  # noqa: E402
+from cmtof.files import written_whole  # noqa: E402
+from cmtof.frame import Frame, held_out_frames  # noqa: E402
+from cmtof.methods import METHODS, find_method, names_of  # noqa: E402
+from cmtof.network.weights import read_card, weights_path  # noqa: E402
+from cmtof_book.frames import views_of_size  # noqa: E402
+from cmtof_book.provenance import read_json  # noqa: E402
+from cmtof_rooms.rendering import shape_from_text  # noqa: E402
 
 
-def files_of_rows(
-    methods: list[str], protocol: str, runs: Path | None
-) -> dict[str, Path]:
-    """Weights of each row, a training or a method; those of a method may be missing."""
-    if runs:
-        files = sorted(runs.glob(f"*/*.{protocol}.safetensors"))
-        return {file.parent.name: file for file in files}
+class Row(NamedTuple):
+    """A row of a table: its name, its method, and the file of its weights, if it has any."""
+
+    name: str
+    method: str
+    file: Path
+
+    @property
+    def weights(self) -> str:
+        """Hash of the weights, or ''."""
+        return read_card(self.file).sha256 if self.file.is_file() else ""
+
+    def is_counted(self, held: Values) -> bool:
+        """Whether these weights were counted before."""
+        names = {name for frame in held["frames"] for name in frame["methods"]}
+        return self.name in names and held["weights"].get(self.name, "") == self.weights
+
+
+def rows_of_methods(methods: Sequence[str], protocol: str) -> Iterator[Row]:
+    """A row for each method; without names those that are ready, and the references."""
     references = [name for name, one in METHODS.items() if one.kind == "reference"]
-    asked = map(find_method, methods or [*names_of("all", protocol), *references])
-    return {one.name: weights_path(one.network, protocol) for one in asked}
+    for one in map(find_method, methods or [*names_of("all", protocol), *references]):
+        yield Row(one.name, one.name, weights_path(one.network, protocol))
 
 
-def count(held: Values, row: str, file: Path, *, is_run: bool) -> None:
-    """Join the counts of a row over all frames with those of the others."""
-    size = held["size"]
-    frames = views_of_size(*shape_from_text(size)) if size else held_out_frames()
-    method = row
-    options: Values = {}
-    if file.is_file():
-        card = read_card(file)
-        held.setdefault("weights", {})[row] = card.sha256
-        options["weights"] = file
-        if is_run:
-            method = card.model
-            about = card.model_dump(exclude={"sha256"})
-            held.setdefault("cards", {})[row] = about
-    evaluation = Evaluation([method], **held["settings"])
-    evaluation.options = options
+def rows_of_runs(runs: Path, protocol: str) -> Iterator[Row]:
+    """A row for each training in a folder."""
+    for file in sorted(runs.glob(f"*/*.{protocol}.safetensors")):
+        yield Row(file.parent.name, read_card(file).model, file)
+
+
+def path_of(settings: Values, size: str, runs: Path | None) -> Path:
+    """File of counts."""
+    offset = [f"{1e3 * phase:g}" for phase in settings.get("phase_offset", ())]
+    table = f"table{1 if runs else 3 if offset else 2}"
+    words = [table, settings["protocol"], size, f"{settings['noise']:g}", *offset]
+    return RESULTS / f"{'_'.join(filter(None, words))}.json"
+
+
+def count(held: Values, row: Row, frames: Iterable[Frame]) -> None:
+    """Join the counts of a method over all frames with those of the others."""
+    evaluation = Evaluation([row.method], **held["settings"])
+    if row.weights:
+        held["weights"][row.name] = row.weights
+        evaluation.options = {"weights": row.file}
     counts = evaluation.add_all(frames).counts()
     for new, old in zip_longest(counts, held["frames"], fillvalue={"methods": {}}):
-        new["methods"] = old["methods"] | {row: new["methods"][method]}
-    held |= {"frames": counts, "version": __version__, "sha256": digest(counts)}
-    print(row, evaluation.report()["methods"], flush=True)
+        new["methods"] = old["methods"] | {row.name: new["methods"][row.method]}
+    held["frames"] = counts
+    scores = evaluation.report()["methods"][row.method]
+    print(row.name, {key: round(rate, 4) for key, rate in scores.items()}, flush=True)
 
 
 def write(held: Values, path: Path) -> None:
-    """Store counts, one frame a line."""
+    """Store counts, one frame a line, with their hash."""
+    held |= {"version": __version__, "sha256": digest(held["frames"])}
     text = json.dumps(held).replace('{"frame": ', '\n{"frame": ')
     with written_whole(path) as part:
         part.write_text(text + "\n", "utf-8")
@@ -77,22 +102,28 @@ def main(
     ],
     protocol: Literal["released", "full"] = "released",
     noise: float = 1200.0,
+    again: bool = False,
     runs: Path | None = None,
     size: str = "",
     offset: tuple[float, float] = (0.0, 0.0),
 ) -> None:
     """Count methods over all test frames and store the counts."""
     settings: Values = {"protocol": protocol, "noise": noise, "seed": 0}
-    words = ["table1" if runs else "table2", protocol, size, f"{noise:g}"]
     if any(offset):
         settings["phase_offset"] = [phase / 1e3 for phase in offset]
-        words = ["table3", *words[1:], *(f"{phase:g}" for phase in offset)]
-    path = RESULTS / f"{'_'.join(filter(None, words))}.json"
-    held = read_json(path) or {"settings": settings, "size": size, "frames": []}
-    counted = held["frames"][0]["methods"] if held["frames"] else ()
-    for row, file in files_of_rows(methods, protocol, runs).items():
-        if methods or row not in counted:
-            count(held, row, file, is_run=bool(runs))
+    path = path_of(settings, size, runs)
+    held = read_json(path)
+    if held.get("settings") != settings:
+        held = {"settings": settings, "size": size, "weights": {}, "frames": []}
+    rows = rows_of_runs(runs, protocol) if runs else rows_of_methods(methods, protocol)
+    rows = [row for row in rows if again or not row.is_counted(held)]
+    if rows:
+        frames = views_of_size(*shape_from_text(size)) if size else held_out_frames()
+        for row in rows:
+            count(held, row, frames)
+            if runs:
+                card = read_card(row.file).model_dump(exclude={"sha256"})
+                held.setdefault("cards", {})[row.name] = card
             write(held, path)
 
 

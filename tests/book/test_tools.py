@@ -69,12 +69,15 @@ def test_accepted_figures_follow_the_build_and_keep_measured_data(tmp_path):
     assert (accepted / "scan.svg").read_text() == "real"
 
 
-def test_tables_are_counted_and_not_edited(tmp_path, monkeypatch):
+def test_tables_count_once_and_are_not_edited(tmp_path, monkeypatch, capsys):
     frames = [frame.middle(48, 64) for frame in held_out_frames()[:2]]
     monkeypatch.setattr(tables, "held_out_frames", lambda: frames)
     monkeypatch.setattr(tables, "RESULTS", tmp_path)
     path = tmp_path / "table3_released_1200_0_35.json"
-    tables.main(["beat", "middle"], offset=(0.0, 35.0))
+    assert read_counts(path) == []
+    for _ in range(2):  # the second time nothing is left to count
+        tables.main(["beat", "middle"], offset=(0.0, 35.0))
+    assert len(capsys.readouterr().out.splitlines()) == 2
     counted = (
         Evaluation(["beat", "middle"], phase_offset=(0, 0.035)).add_all(frames).counts()
     )
