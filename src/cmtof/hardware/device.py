@@ -51,9 +51,8 @@ def one_error(name: str, otherwise: type[InstrumentError] = BadReply) -> Iterato
     except InstrumentError:
         raise
     except Exception as error:
-        names = {
-            kind.__name__ for kind in type(error).__mro__
-        }  # without their libraries
+        # of their classes, without their libraries
+        names = {kind.__name__ for kind in type(error).__mro__}
         late = names & _LATE or "VI_ERROR_TMO" in str(error)
         kind = (
             InstrumentTimeout
@@ -94,9 +93,8 @@ PHRASES = {
 class Device:
     """An instrument on a library's connection; ``serial_number`` refuses any other."""
 
-    MODELS: ClassVar[
-        tuple[str, ...]
-    ] = ()  # beginnings of the names that the driver takes
+    # beginnings of the names that the driver takes
+    MODELS: ClassVar[tuple[str, ...]] = ()
     LIMITS: ClassVar[Mapping[str, Pair]] = {}  # of settings, in SI units
 
     def __init__(self, connection: Any, name: str, serial_number: str = "") -> None:

@@ -32,11 +32,8 @@ LINES = {
     "beam_block": "FIO6",
     "interlock": "FIO7",
 }
-LIGHT = (
-    "laser",
-    "shutter",
-    "beam_block",
-)  # low is safe: laser off, shutter shut, block in
+# low is safe: laser off, shutter shut, block in
+LIGHT = ("laser", "shutter", "beam_block")
 MODES = {"single": 1, "doubled": 2}  # which harmonic of the drive modulates the light
 # Angle of both half-wave plates in each mode, degrees.
 PLATES = {"single": HALF_WAVE_PLATE_SINGLE, "doubled": HALF_WAVE_PLATE_DOUBLED}
@@ -59,14 +56,14 @@ class DeviceSettings:
     """Driver and address of a device, and what its own kind does not say."""
 
     driver: str
-    address: str = Field(default="", exclude=True)  # it says nothing of the measurement
-    serial_number: str = ""  # any other device is refused
-    counts_per_unit: float | None = Field(
-        default=None, gt=0, le=1e12
-    )  # of a motor, per m or rad
-    timeout: float = Field(
-        default=1.0, gt=0, le=10, exclude=True
-    )  # s that an answer may take
+    # it says nothing of the measurement
+    address: str = Field(default="", exclude=True)
+    # any other device is refused
+    serial_number: str = ""
+    # of a motor, per m or rad
+    counts_per_unit: float | None = Field(default=None, gt=0, le=1e12)
+    # s that an answer may take
+    timeout: float = Field(default=1.0, gt=0, le=10, exclude=True)
 
 
 @dataclass(frozen=True, config=CHECKED)
@@ -74,81 +71,67 @@ class Rig:
     """Settings of a rig in m, s, Hz, V; degrees where a name ends in _deg."""
 
     devices: dict[str, DeviceSettings]
-    field_of_view_deg: tuple[Angle, Angle] = (
-        20.0,
-        20.0,
-    )  # optical angles across and down
-    power_dbm: Decibels = 30.0  # of both RF drives
-    power_dbm_limit: Decibels = 30.0  # what the modulators stand
-    power_limit: float = Field(default=4e-3, gt=0, le=0.5)  # W, of the beam that leaves
-    emitted_share: float = Field(
-        default=0.41, gt=0, le=100
-    )  # power that leaves over metered power
-    lines: dict[str, Line] = Field(
-        default_factory=dict
-    )  # those that differ from the guide's
+    # optical angles across and down
+    field_of_view_deg: tuple[Angle, Angle] = (20.0, 20.0)
+    # of both RF drives, and what the modulators stand
+    power_dbm: Decibels = 30.0
+    power_dbm_limit: Decibels = 30.0
+    # of the beam that leaves, W, and that power over the metered power
+    power_limit: float = Field(default=4e-3, gt=0, le=0.5)
+    emitted_share: float = Field(default=0.41, gt=0, le=100)
+    # those that differ from the guide's
+    lines: dict[str, Line] = Field(default_factory=dict)
     shutter_settling: Seconds = 0.1
-    flip_mirror_settling: Seconds = 3.0  # flippers take 0.3 to 2.8
-    mirrors: tuple[Output, Output] = (
-        "TDAC2",
-        "TDAC3",
-    )  # outputs that steer along x and y
-    mirror_volts_per_degree: tuple[Volts, Volts] = (
-        0.5,
-        0.5,
-    )  # of a mirror; negative: other way
-    mirror_offset_volts: tuple[Volts, Volts] = (0.0, 0.0)  # straight ahead
-    mirror_settling: tuple[Seconds, Seconds, Seconds] = (
-        4e-4,
-        7.7e-3,
-        0.02,
-    )  # by STEPS of plan.py
+    # flippers take 0.3 to 2.8 s
+    flip_mirror_settling: Seconds = 3.0
+    # outputs that steer along x and y
+    mirrors: tuple[Output, Output] = ("TDAC2", "TDAC3")
+    # of a mirror; negative where it turns the other way
+    mirror_volts_per_degree: tuple[Volts, Volts] = (0.5, 0.5)
+    # straight ahead
+    mirror_offset_volts: tuple[Volts, Volts] = (0.0, 0.0)
+    # by STEPS of plan.py
+    mirror_settling: tuple[Seconds, Seconds, Seconds] = (4e-4, 7.7e-3, 0.02)
     detector_input: Input = "AIN0"
-    iq_inputs: tuple[Input, Input] = ("AIN2", "AIN3")  # of the RF demodulator's I and Q
+    # of the RF demodulator's I and Q
+    iq_inputs: tuple[Input, Input] = ("AIN2", "AIN3")
     # where it sends the light
     flip_mirror: Literal["reference", "photodiode"] = "reference"
     # of the beam to the target, where the flip mirror leads to the photodiode instead
     reference_direction_deg: tuple[Degrees, Degrees] = (0.0, 0.0)
-    # output that moves that of interferometry
+    # output that moves that of interferometry, and m per V, nearer
     reference_mirror: Literal["DAC0", "DAC1"] = "DAC0"
-    reference_mirror_travel: float = Field(
-        default=1e-6, gt=0, le=1e-3
-    )  # m per V, nearer
-    detector_gain: float = Field(
-        default=50.0, ge=1, le=1000
-    )  # avalanche gain, set by hand
-    frequency_single: Drive = 7.15e9  # drive, single mode
-    frequency_doubled: Drive = 7.16e9  # and doubled mode
+    reference_mirror_travel: float = Field(default=1e-6, gt=0, le=1e-3)
+    # avalanche gain, set by hand
+    detector_gain: float = Field(default=50.0, ge=1, le=1000)
+    # of the drive in each mode
+    frequency_single: Drive = 7.15e9
+    frequency_doubled: Drive = 7.16e9
     clock_frequency: float = Field(default=10e6, ge=1e6, le=40e6)
-    clock_amplitude: float = Field(
-        default=1.0, ge=0.01, le=10
-    )  # V peak to peak into 50 Ohm
-    clock_channels: tuple[Literal[1, 2], ...] = (
-        1,
-    )  # one, and a splitter: two drift apart
-    dead_man: float = Field(
-        default=5.0, ge=0.1, le=60
-    )  # silence that switches the RF drivers off
-    plate_zero_emission_deg: Degrees = 0.0  # mount at theta_h = 0
+    # V peak to peak into 50 Ohm
+    clock_amplitude: float = Field(default=1.0, ge=0.01, le=10)
+    # one, and a splitter: two drift apart
+    clock_channels: tuple[Literal[1, 2], ...] = (1,)
+    # silence that switches the RF drivers off
+    dead_man: float = Field(default=5.0, ge=0.1, le=60)
+    # of the mounts at theta_h = 0
+    plate_zero_emission_deg: Degrees = 0.0
     plate_zero_detection_deg: Degrees = 0.0
     rate: float = Field(default=SAMPLE_RATE, ge=1, le=50e3)
     phases: int = Field(default=16, ge=3, le=64)
     samples_per_phase: int = Field(default=20, ge=2, le=250)
-    settle_samples: int = Field(
-        default=4, ge=0, le=249
-    )  # first of a phase: the filter settles
-    limit_volts: float = Field(
-        default=4.0, ge=0.001, le=10
-    )  # above, the detector is nonlinear
-    temperature: float = Field(default=293.15, ge=200, le=400)  # K, of the air
-    pressure: float = Field(default=101325.0, ge=0, le=2e5)  # Pa
-    reference_distance: float = Field(
-        default=0.60, ge=0.001, le=100
-    )  # target along its ray,
-    stage_zero: float = Field(default=0.025, ge=-1, le=1)  # with its stage here
-    twin: Fields = Field(
-        default_factory=dict, exclude=True
-    )  # of the simulated instrument
+    # first of a phase: the filter settles
+    settle_samples: int = Field(default=4, ge=0, le=249)
+    # above, the detector is nonlinear
+    limit_volts: float = Field(default=4.0, ge=0.001, le=10)
+    # of the air, K and Pa
+    temperature: float = Field(default=293.15, ge=200, le=400)
+    pressure: float = Field(default=101325.0, ge=0, le=2e5)
+    # of the target along its ray, with its stage at its zero
+    reference_distance: float = Field(default=0.60, ge=0.001, le=100)
+    stage_zero: float = Field(default=0.025, ge=-1, le=1)
+    # of the simulated instrument
+    twin: Fields = Field(default_factory=dict, exclude=True)
 
     def __post_init__(self) -> None:
         for role in DRIVERS | self.devices:

@@ -59,9 +59,8 @@ class EmergencyStop:
         )
         if failed and (error is None or isinstance(error, Exception)):
             raise Unsafe(f"{error} Then: {message}" if error else message) from error
-        if (
-            failed
-        ):  # Ctrl-C and exit codes go on as they are, but nobody may overlook this
+        # Ctrl-C and exit codes go on as they are, but nobody may overlook this
+        if failed:
             print(message, file=sys.stderr)
 
     def _make_safe(self) -> list[str]:

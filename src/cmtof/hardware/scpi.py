@@ -159,9 +159,8 @@ class SignalGenerator(ScpiInstrument):
             words = re.split("[ ,]", line.strip())
             if f"{words[0]}?" != command:
                 raise ValueError(line)
-            first = (
-                len(words) % 2
-            )  # the answer of OUTP begins with a value, that of BSWV does not
+            # the answer of OUTP begins with a value, that of BSWV does not
+            first = len(words) % 2
             return dict(zip(words[first::2], words[first + 1 :: 2], strict=True))
 
         return self._ask(command, parse)
