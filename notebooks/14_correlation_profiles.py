@@ -22,7 +22,6 @@ import matplotlib.pyplot as plt
 import numpy as np
 
 from cmtof.correlation import TAU, correlation_from_harmonics, decode
-from cmtof.hardware.bench import VOLTS_RANGE
 from cmtof.hardware.plan import BURST_INTERVAL
 from cmtof.hardware.reduction import Gain, drive_phases, nominal_psi
 from cmtof.hardware.rig import MODES as ORDER
@@ -86,7 +85,7 @@ rough = {}
 reading = replace(base, phases=PHASES)
 with opened(rig, reading, mirror, known, seed=seed) as bench:
     bench.set_up()
-    gain = Gain(*bench.daq.gain(VOLTS_RANGE))
+    gain = Gain(*bench.daq.gain())
     for mode in ORDER:
         bench.choose_mode(mode)
         dark[mode] = np.mean([sweep(bench) for _ in range(8)])

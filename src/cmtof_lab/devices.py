@@ -74,9 +74,8 @@ class SimulatedRf(SimulatedDevice):
     def set_power(self, dbm: float) -> None:
         self.knobs.power = dbm
 
-    def set_phase(self, rad: float) -> float:
+    def set_phase(self, rad: float) -> None:
         self.knobs.phase = float(_coded(rad))
-        return self.knobs.phase
 
     def output(self, on: bool, *, lock_timeout: float = 10.0) -> None:
         self.knobs.on = on
@@ -165,8 +164,8 @@ class SimulatedReadOut(SimulatedDevice):
             self.set_line(self.rig.line(part), False)
         self.write_many(dict.fromkeys(self.rig.mirrors, 0.0))
 
-    def gain(self, volts_range: float) -> tuple[float, float, float]:
-        return SLOPE, -SLOPE, CENTRE  # of 10 V, whatever was asked
+    def gain(self) -> tuple[float, float, float]:
+        return SLOPE, -SLOPE, CENTRE
 
     def line(self, dio: str) -> bool:
         return dio == self.rig.line("interlock") and self.panel.interlock_closed
@@ -200,7 +199,6 @@ class SimulatedReadOut(SimulatedDevice):
         channels: Sequence[str],
         rate: float,
         scans: int,
-        range: float,
         pulse_line: str,
         pulse: int,
     ) -> None:

@@ -247,7 +247,7 @@ class T7:
         self.set(60000, "f", 7.0)  # PRODUCT_ID
         self.set(60004, "f", 1.0292)  # FIRMWARE_VERSION
         self.set(60028, "I", 470010001)  # SERIAL_NUMBER
-        self.set(61812, "fff", *device.gain(10.0))  # INTERNAL_FLASH_READ
+        self.set(61812, "fff", *device.gain())  # INTERNAL_FLASH_READ
 
     def set(self, address, kind, *values):
         """Set registers from an address on."""
@@ -331,9 +331,7 @@ class T7:
         }
         places = range(4102, 4100 + 2 * self.get(4004), 2)
         inputs = [f"AIN{self.get(place) // 2}" for place in places]
-        self.device.configure_burst(
-            channels=inputs, range=10.0, pulse_line="FIO4", **settings
-        )
+        self.device.configure_burst(channels=inputs, pulse_line="FIO4", **settings)
         counts = next(self.device.bursts([{"USER_RAM0_U32": self.get(46100)}])).astype(
             ">u2"
         )

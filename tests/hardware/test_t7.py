@@ -12,7 +12,7 @@ from cmtof.hardware.device import BadReply, ConnectionLost, InstrumentTimeout, R
 from cmtof.hardware.rig import Rig
 from cmtof.hardware.t7 import LabJackT7
 
-BURST = {"channels": ["AIN0"], "rate": 24000.0, "scans": 320, "range": 10.0}
+BURST = {"channels": ["AIN0"], "rate": 24000.0, "scans": 320}
 BURST |= {"pulse_line": "FIO4", "pulse": 20}
 
 

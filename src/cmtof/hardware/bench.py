@@ -23,7 +23,6 @@ from cmtof.hardware.roles import (
 from cmtof.hardware.safety import EmergencyStop
 from cmtof.types import Array, Counts, Named, Values
 
-VOLTS_RANGE = 10.0  # of the detector's input, V
 ATTEMPTS = 3  # at a line before lost samples or a missed edge are an error
 WATCHDOG = 5  # s without a request, after which the read-out makes itself dark
 MODULES = ("emission", "detection")
@@ -101,13 +100,8 @@ class Bench(EmergencyStop):
 
     def aimed(self, direction: Array) -> Values:
         """Outputs that send the beam into a direction (2,), rad, and their voltages."""
-        return dict(
-            zip(
-                self.rig.mirrors,
-                mirror_volts(self.rig, direction).tolist(),
-                strict=True,
-            )
-        )
+        volts = mirror_volts(self.rig, direction).tolist()
+        return dict(zip(self.rig.mirrors, volts, strict=True))
 
     def fly_back(self, directions: Array) -> None:
         """Aim at the first direction of a line (N, 2), rad, and wait as the step requires."""
@@ -147,7 +141,6 @@ class Bench(EmergencyStop):
             channels=inputs,
             rate=self.rig.rate,
             scans=self.rig.scans,
-            range=VOLTS_RANGE,
             pulse_line=self.rig.line("trigger"),
             pulse=self.rig.samples_per_phase,
         )
@@ -239,9 +232,8 @@ class Bench(EmergencyStop):
             {"USER_RAM0_U32": float(label), **output}
             for label, output in zip(labels, outputs, strict=False)
         ]
-        insist(
-            self.rf_detection.arm, tries=ATTEMPTS
-        )  # may be sent twice, as nothing moves
+        # may be sent twice, as nothing moves
+        insist(self.rf_detection.arm, tries=ATTEMPTS)
         counts = []
         self.times = []
         for label, burst in zip(labels, self.daq.bursts(requests), strict=True):

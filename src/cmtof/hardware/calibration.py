@@ -16,7 +16,7 @@ from numpy.typing import ArrayLike
 from scipy.special import j0
 
 from cmtof.correlation import centred, decode
-from cmtof.hardware.bench import MODULES, VOLTS_RANGE, Bench
+from cmtof.hardware.bench import MODULES, Bench
 from cmtof.hardware.ranging import reading, sweep, sweep_errors
 from cmtof.hardware.reduction import Gain
 from cmtof.hardware.rig import PLATES
@@ -35,9 +35,7 @@ def levels(
 
     The other module stays at quadrature; drives of Hz and dBm are those at the last angle.
     """
-    read = partial(
-        reading, bench, "reference", Gain(*bench.daq.gain(VOLTS_RANGE)), count(1)
-    )
+    read = partial(reading, bench, "reference", Gain(*bench.daq.gain()), count(1))
     rf = bench.rf[MODULES.index(module)]
     bench.choose_mode("single")
     for one in bench.rf:

@@ -6,7 +6,6 @@ from functools import partial
 from typing import Any, TextIO
 
 from cmtof.hardware.bench import Bench
-from cmtof.hardware.device import ConnectionLost, one_error
 from cmtof.hardware.log import Logged
 from cmtof.hardware.modbus import PORT, Feedback
 from cmtof.hardware.rig import LIGHT, Rig
@@ -42,7 +41,7 @@ def connected_driver(rig: Rig, role: str, log: TextIO | None = None) -> Any:
     settings = rig.devices[role]
     name = role.replace("_", " ")
     kinds = {
-        "labjack-t7": (open_feedback, partial(read_out, rig)),
+        "labjack-t7": (Feedback, partial(read_out, rig)),
         "rf-driver": (rf.open_serial, rf.RfDriver),
         "sdg2042x": (scpi.open_visa, scpi.SignalGenerator),
         "pm100d": (scpi.open_visa, scpi.PowerMeter),
@@ -57,12 +56,6 @@ def connected_driver(rig: Rig, role: str, log: TextIO | None = None) -> Any:
     if log:
         connection = Logged(connection, name, log)
     return make(connection, name=name, serial_number=settings.serial_number)
-
-
-def open_feedback(address: str, timeout: float) -> Feedback:
-    """Open the connection for commands of a T7, or raise `ConnectionLost`."""
-    with one_error(f"a T7 at {address}", ConnectionLost):
-        return Feedback(address, timeout)
 
 
 def read_out(rig: Rig, connection: Any, **named: str) -> Any:

@@ -3,7 +3,7 @@
 import socket
 import struct
 
-from cmtof.hardware.device import BadReply, Refused
+from cmtof.hardware.device import BadReply, ConnectionLost, Refused, one_error
 
 PORT = 502
 UNIT = 1
@@ -12,7 +12,7 @@ HEAD = struct.Struct(">HHHBB")  # number, protocol, bytes that follow, unit, fun
 
 
 class Feedback:
-    """A connection that sends reads and writes of registers in one frame.
+    """A connection that sends reads and writes of registers in one frame, or `ConnectionLost`.
 
     After an error it is closed, and opened again for the next frame: a late answer would be taken
     for that to the next request.
@@ -23,7 +23,8 @@ class Feedback:
         self._address = (host, int(port or PORT))
         self._timeout = timeout
         self._number = 0
-        self._socket: socket.socket | None = self._connected()
+        with one_error(f"a T7 at {address}", ConnectionLost):
+            self._socket: socket.socket | None = self._connected()
 
     def ask(self, frame: bytes) -> bytes:
         """Answer to a frame; `Refused` if the device reports an exception."""

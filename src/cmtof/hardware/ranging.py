@@ -19,7 +19,7 @@ from xarray import Dataset
 
 from cmtof.constants import LASER_WAVELENGTH, SPEED_OF_LIGHT
 from cmtof.correlation import centred, decode, depth_from_phase, phase_from_depth
-from cmtof.hardware.bench import VOLTS_RANGE, Bench
+from cmtof.hardware.bench import Bench
 from cmtof.hardware.plan import DARK_BURSTS
 from cmtof.hardware.reduction import Gain, check_brightness, nominal_psi
 from cmtof.hardware.rig import MODES
@@ -87,9 +87,7 @@ def sweep(
     the frequency, Hz, that belongs to the phase, and the settings. The bench is set up. Raises as a
     scan does, and a ValueError where light saturates the detector.
     """
-    read = partial(
-        reading, bench, way, Gain(*bench.daq.gain(VOLTS_RANGE)), count(label)
-    )
+    read = partial(reading, bench, way, Gain(*bench.daq.gain()), count(label))
     bench.choose_mode(mode)
     frequency = MODES[mode] * bench.rig.drive_frequency(mode)
     phases_of = stepped_phases

@@ -29,11 +29,10 @@ from cmtof.types import Array, Counts, Fields, Named, Pair
 
 FULL_SCALE = 65535  # of a 16-bit stream sample; it and 0 mean that the converter clips
 MIN_CONTRAST = 1e-3  # of the reference target; below there is no phase to calibrate on
-RANGES = (10.0, 1.0, 0.1, 0.01)  # of the T7's inputs, V, in the order of its gains
 
 
 class Gain(NamedTuple):
-    """Calibration of one input range: slopes, V per count, and the count of 0 V."""
+    """Calibration of the inputs: slopes, V per count, and the count of 0 V."""
 
     positive_slope: float
     negative_slope: float

@@ -79,11 +79,9 @@ class RfDriver(Device):
         """Set the power, dBm."""
         self._set("POWR", dbm, 0.051)
 
-    def set_phase(self, rad: float) -> float:
-        """Set the phase of the drive outside the table; return what was set, rad in [0, 2 pi)."""
-        code = code_from_phase(rad)
-        self._set("PHAS", code)
-        return 2 * pi * code / CODES
+    def set_phase(self, rad: float) -> None:
+        """Set the phase of the drive outside the table, rad."""
+        self._set("PHAS", code_from_phase(rad))
 
     def set_dead_man(self, seconds: float) -> None:
         """Have RF turned off when no request comes for so long."""

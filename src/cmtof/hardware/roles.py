@@ -59,8 +59,8 @@ class RfRole(DeviceRole, Protocol):
     def set_power(self, dbm: float) -> None:
         """Set the power, dBm."""
 
-    def set_phase(self, rad: float) -> float:
-        """Set the phase outside the table, rad; return what was set."""
+    def set_phase(self, rad: float) -> None:
+        """Set the phase outside the table, rad."""
 
     def set_dead_man(self, seconds: float) -> None:
         """Have RF turned off when the host is silent for so long."""
@@ -148,8 +148,8 @@ class ReadOutRole(DeviceRole, Protocol):
 
     rate: float
 
-    def gain(self, volts_range: float) -> tuple[float, float, float]:
-        """Calibration of an input range, V, in the order of `cmtof.hardware.reduction.Gain`."""
+    def gain(self) -> tuple[float, float, float]:
+        """Calibration of the inputs, in the order of `cmtof.hardware.reduction.Gain`."""
 
     def line(self, dio: str) -> bool:
         """Level of an input line."""
@@ -169,7 +169,6 @@ class ReadOutRole(DeviceRole, Protocol):
         channels: Sequence[str],
         rate: float,
         scans: int,
-        range: float,
         pulse_line: str,
         pulse: int,
     ) -> None:

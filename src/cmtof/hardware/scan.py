@@ -14,7 +14,7 @@ from pathlib import Path
 
 from cmtof import __version__
 from cmtof.files import AnyPath, alone, check_output
-from cmtof.hardware.bench import VOLTS_RANGE, Bench
+from cmtof.hardware.bench import Bench
 from cmtof.hardware.journal import (
     append,
     begun,
@@ -69,7 +69,7 @@ def scan(
             "version": __version__,
             **on.about,
             "size": list(plan.angles.shape[:2]),
-            "calibration": list(on.daq.gain(VOLTS_RANGE)),
+            "calibration": list(on.daq.gain()),
             "settings": plan.rig.as_dict(),
             "instruments": {
                 role: device.identify() for role, device in on.devices.items()

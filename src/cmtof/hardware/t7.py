@@ -26,13 +26,14 @@ from cmtof.hardware.device import (
     one_error,
     question,
 )
-from cmtof.hardware.reduction import RANGES, Gain
+from cmtof.hardware.reduction import Gain
 from cmtof.hardware.roles import Registers, Requests
 from cmtof.types import Counts, Texts
 
 # Address and type of each register by LabJack's name.
 REGISTERS = read_document(Path(__file__).with_name("t7.yml"))
-CALIBRATION = 0x3C4000  # in the flash: four floats for each input range
+VOLTS_RANGE = 10.0  # of the inputs, V
+CALIBRATION = 0x3C4000  # of that range, in the flash
 PACKET = 160  # samples at most: two or more packets a point, so that a lost one is seen at once
 COMPLETE = 2944  # status of a burst's last packet; 2940 to 2943 stand for skipped scans
 
@@ -60,10 +61,8 @@ class LabJackT7(Device):
     """
 
     MODELS = ("T7",)
-    LIMITS: ClassVar = {
-        "rate": (1.0, 100e3),
-        "pulse": (2, 250),
-    }  # of all addresses together
+    # the rate of all addresses together
+    LIMITS: ClassVar = {"rate": (1.0, 100e3), "pulse": (2, 250)}
 
     def __init__(
         self,
@@ -89,18 +88,11 @@ class LabJackT7(Device):
         self._stream.close()
         self._connection.close()
 
-    def gain(self, volts_range: float) -> Gain:
-        """Calibration of an input range, V, of the converter that streams."""
-        self.write_many(
-            {
-                "INTERNAL_FLASH_READ_POINTER": CALIBRATION
-                + 16 * RANGES.index(volts_range)
-            }
-        )
+    def gain(self) -> Gain:
+        """Calibration of the inputs, of the converter that streams."""
+        self.write_many({"INTERNAL_FLASH_READ_POINTER": CALIBRATION})
         gain = Gain(*self._values("INTERNAL_FLASH_READ"))
-        self._expect(
-            "slope", 3.158e-5 * volts_range, gain.positive_slope, 1e-5 * volts_range
-        )
+        self._expect("slope", 3.158e-4, gain.positive_slope, 1e-4)
         return gain
 
     def line(self, dio: str) -> bool:
@@ -123,7 +115,6 @@ class LabJackT7(Device):
         channels: Sequence[str],
         rate: float,
         scans: int,
-        range: float,
         pulse_line: str,
         pulse: int,
     ) -> None:
@@ -154,7 +145,7 @@ class LabJackT7(Device):
             "STREAM_SCANLIST_ADDRESS0": 4800,  # STREAM_OUT0
         }
         for place, channel in enumerate(channels, 1):
-            self._settings[f"{channel}_RANGE"] = range
+            self._settings[f"{channel}_RANGE"] = VOLTS_RANGE
             self._settings[f"{channel}_NEGATIVE_CH"] = 199  # single-ended
             self._settings[f"STREAM_SCANLIST_ADDRESS{place}"] = 2 * int(
                 channel.removeprefix("AIN")
@@ -247,12 +238,10 @@ class LabJackT7(Device):
             "WATCHDOG_DAC1_ENABLE_DEFAULT": 0,
             "WATCHDOG_ENABLE_DEFAULT": 1,
         }
-        if self._values(*wanted) != tuple(
-            wanted.values()
-        ):  # it is flash, which wears out
-            self.write_many(
-                {"WATCHDOG_ENABLE_DEFAULT": 0}
-            )  # the others are locked while it runs
+        # it is flash, which wears out
+        if self._values(*wanted) != tuple(wanted.values()):
+            # the others are locked while it runs
+            self.write_many({"WATCHDOG_ENABLE_DEFAULT": 0})
             self._set(wanted)
 
     def save_power_up_state(self) -> None:
