@@ -2,16 +2,9 @@
 
 from contextlib import contextmanager
 from functools import partial
+from typing import NamedTuple
 
-from peers import (
-    T7,
-    Controller,
-    Firmware,
-    Port,
-    Visa,
-    modbus,
-    simulated,
-)
+from peers import T7, Controller, Firmware, Port, Visa, modbus, simulated
 from registers import HERE, feedback, in_bytes
 from scpi_peers import Generator, Meter
 
@@ -36,46 +29,43 @@ def dialogue(kind, *pairs):
     assert heard == [sent for sent, _ in pairs]
 
 
-class Device:
-    """A kind of device in the tests: connection and driver in process, model, and transcripts."""
+class Device(NamedTuple):
+    """A kind of device in the tests."""
 
-    def __init__(self, name, kind, driver, model):
-        self.kind = kind
-        self.driver = driver
-        self.model = model
-        self.file = read_document(HERE / "transcripts" / f"{name}.yml")
-        coded = in_bytes(bytes.fromhex if name == "apt" else str.encode)
-        self.pair = feedback if name == "t7" else coded
+    name: str
+    kind: object  # of its connection in process
+    driver: object
+    model: object
+    role: str
+    pair: object = in_bytes(str.encode)  # of what is written in its transcripts
+
+    @property
+    def peer(self):
+        """Its model, which is switched off."""
+        return self.model(simulated(self.role))
+
+    @property
+    def file(self):
+        """Its transcripts."""
+        return read_document(HERE / "transcripts" / f"{self.name}.yml")
 
 
 def called(driver, call, options=None, **written):
     """What a driver does or tells, as it is written in the transcripts."""
     found = getattr(driver, call)
-    found = (
-        found(*written.get("with", ()), **(options or {})) if callable(found) else found
-    )
+    if callable(found):
+        found = found(*written.get("with", ()), **(options or {}))
     return list(found) if isinstance(found, tuple) else found
 
 
-DEVICES = {
-    name: Device(name, *parts)
-    for name, *parts in (
-        (
-            "apt",
-            Port,
-            partial(Motor, kind=MOTORS["mts50-z8"]),
-            lambda: Controller(simulated("stage")),
-        ),
-        ("pm100d", Visa, PowerMeter, lambda: Meter(simulated("power_meter"))),
-        ("rf", Port, RfDriver, lambda: Firmware(simulated("rf_emission"))),
-        ("sdg2042x", Visa, SignalGenerator, lambda: Generator(simulated("clock"))),
-        (
-            "t7",
-            modbus,
-            partial(
-                LabJackT7, stream=Port(), safe_lines=["FIO0", "FIO1"], parked=["TDAC2"]
-            ),
-            lambda: T7(simulated("daq")),
-        ),
-    )
-}
+MOTOR = partial(Motor, kind=MOTORS["mts50-z8"])
+READ_OUT = partial(
+    LabJackT7, stream=Port(), safe_lines=["FIO0", "FIO1"], parked=["TDAC2"]
+)
+DEVICES = [
+    Device("apt", Port, MOTOR, Controller, "stage", in_bytes(bytes.fromhex)),
+    Device("pm100d", Visa, PowerMeter, Meter, "power_meter"),
+    Device("rf", Port, RfDriver, Firmware, "rf_emission"),
+    Device("sdg2042x", Visa, SignalGenerator, Generator, "clock"),
+    Device("t7", modbus, READ_OUT, T7, "daq", feedback),
+]

@@ -57,23 +57,15 @@ class Wire:
 class Port:
     """A serial port on pyserial's ``loop://``: what is written is answered by a function at once.
 
-    So nothing waits for it, whatever ``timeout`` a driver sets.
+    So nothing waits long for it, whatever ``timeout`` a driver sets.
     """
 
-    def __init__(self, answer=lambda data: data):
-        self._loop = serial.serial_for_url("loop://", timeout=0)
+    def __init__(self, answer=lambda data: data, timeout=0.1):
+        self._loop = serial.serial_for_url("loop://", timeout=timeout)
         self._answer = answer
 
     def write(self, data):
         self._loop.write(self._answer(data))
-
-    def read_until(self, end, size):
-        line = b""
-        while (
-            not line.endswith(end) and len(line) < size and (byte := self._loop.read(1))
-        ):
-            line += byte
-        return line
 
     def __getattr__(self, name):
         return getattr(self._loop, name)
@@ -174,7 +166,7 @@ class Controller:
 
     serial = 27000001
 
-    def __init__(self, device, driver="mts50-z8", homed=False):
+    def __init__(self, device, driver="mts50-z8", homed=False, clock=None):
         kind = MOTORS[driver]
         self.device = device
         self.scale = kind.scale / UNITS[kind.unit]
@@ -243,7 +235,7 @@ class T7:
         self.power_up = {}
         self.turning = []  # flip mirror: when, line and level
         self.flip_time = 0.0
-        self.stream = Port()
+        self.stream = Port(timeout=0)
         self.set(60000, "f", 7.0)  # PRODUCT_ID
         self.set(60004, "f", 1.0292)  # FIRMWARE_VERSION
         self.set(60028, "I", 470010001)  # SERIAL_NUMBER

@@ -7,7 +7,7 @@ class Scpi:
     model = ""
     settings = ()
 
-    def __init__(self, device, driver=""):
+    def __init__(self, device, clock=None):
         self.device = device
         self.kept = dict(self.settings)
 

@@ -25,10 +25,10 @@ GONE = {
 }
 
 
-@fixture(params=DEVICES)
+@fixture(params=DEVICES, ids=lambda one: one.name)
 def device(request, monkeypatch):
     monkeypatch.setattr("cmtof.hardware.apt.LONGEST", 0.1)
-    return DEVICES[request.param]
+    return request.param
 
 
 @fixture
@@ -45,7 +45,7 @@ def faults(device):
 
 @fixture
 def wire(device):
-    return Wire(device.model())
+    return Wire(device.peer)
 
 
 @fixture

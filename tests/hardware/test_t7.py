@@ -5,7 +5,7 @@ import struct
 import numpy as np
 from peers import T7, Wire, modbus, simulated
 from pytest import approx, fixture, mark, raises
-from wire import Network, whole_frame, with_device
+from wire import Network, with_device
 
 from cmtof.hardware.connect import connected_driver
 from cmtof.hardware.device import BadReply, ConnectionLost, InstrumentTimeout, Refused
@@ -101,7 +101,7 @@ def test_a_t7_that_does_not_even_stop_is_lost_and_no_burst_is_tried_again(peer):
 
 @fixture
 def network(peer):
-    server = Network(whole_frame, peer)
+    server = Network(peer)
     yield server
     server.close()
 

@@ -16,8 +16,8 @@ from cmtof.hardware import device, t7
 HERE = Path(__file__).parent
 GUIDE = HERE.parents[1] / "book" / "hardware.md"
 CASES = [
-    param(one, case, id=f"{name}: {case['what']}")
-    for name, one in DEVICES.items()
+    param(one, case, id=f"{one.name}: {case['what']}")
+    for one in DEVICES
     for case in one.file["dialogues"] + one.file.get("faults", [])
 ]
 
@@ -38,7 +38,7 @@ def table():
     """Rows of the guide: what was compared with what."""
     return "".join(
         f"| {one.file['device']} | {case['what']} | {case['evidence']} | {case['source']} |\n"
-        for one in DEVICES.values()
+        for one in DEVICES
         for case in one.file["dialogues"]
     )
 

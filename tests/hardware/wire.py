@@ -12,11 +12,13 @@ import threading
 import tty
 from contextlib import suppress
 from dataclasses import asdict, replace
+from functools import partial
 from types import SimpleNamespace
 
 from peers import T7, Controller, Firmware, Wire
 from scpi_peers import Generator, Meter
 
+from cmtof.hardware.apt import MOTORS
 from cmtof.hardware.rig import Rig
 from cmtof_lab.rehearsal import simulated_bench
 from cmtof_lab.targets import Plane
@@ -34,52 +36,42 @@ def with_device(rig, role, **changes):
     return replace(rig, devices=rig.devices | {role: device})
 
 
-def whole_line(data):
-    """Length of the first line of text, 0 if it is not whole."""
-    return data.find(b"\n") + 1
+def line(requests):
+    """The next line of text."""
+    return requests.readline()
 
 
-def whole_message(data):
-    """Length of the first APT message."""
-    return (
-        6 + struct.unpack_from("<H", data, 2)[0] * (data[4] >> 7)
-        if len(data) > 5
-        else 0
-    )
+def message(requests):
+    """The next APT message."""
+    head = requests.read(6)
+    long = head[4:5] > b"\x7f"
+    return head + requests.read(long * int.from_bytes(head[2:4], "little"))
 
 
-def whole_frame(data):
-    """Length of the first Modbus frame."""
-    return 6 + struct.unpack_from(">H", data, 4)[0] if len(data) > 5 else 0
+def frame(requests):
+    """The next Modbus frame."""
+    head = requests.read(6)
+    return head + requests.read(int.from_bytes(head[4:], "big"))
 
 
-def served(read, write, whole, wire):
+def serve(requests, read, answer, send):
     """Answer requests until the host goes, or a fault hangs up."""
-    data = b""
-    with suppress(OSError):
-        while part := read(4096):
-            data += part
-            while 0 < (size := whole(data)) <= len(data):
-                write(wire(data[:size]))
-                data = data[size:]
+    with suppress(OSError), requests:
+        while request := read(requests):
+            send(answer(request))
 
 
 class Terminal:
     """A pseudo-terminal whose far end answers."""
 
-    def __init__(self, whole, model):
+    def __init__(self, model, read=line):
         self.wire = Wire(model)
-        primary, secondary = os.openpty()
-        tty.setraw(secondary)
-        self.address = os.ttyname(secondary)
-        self._near = os.fdopen(primary, "r+b", buffering=0)
-        self._far = os.fdopen(secondary, "r+b", buffering=0)
-        threading.Thread(target=self._serve, args=(whole,), daemon=True).start()
-
-    def _serve(self, whole):
-        served(self._near.read, self._near.write, whole, self.wire)
-        self.close()
-        self._near.close()
+        near, far = os.openpty()
+        tty.setraw(far)
+        self.address = os.ttyname(far)
+        self._far = os.fdopen(far, "rb")
+        ends = (os.fdopen(near, "rb"), read, self.wire, partial(os.write, near))
+        threading.Thread(target=serve, args=ends, daemon=True).start()
 
     def close(self):
         """Leave the port: when the host leaves it, too, nobody is there."""
@@ -91,20 +83,19 @@ class Server:
 
     form = "{}:{}"
 
-    def __init__(self, whole, model, port=0):
+    def __init__(self, model, read=line, port=0):
         self.wire = Wire(model)
-        self._whole = whole
+        self._read = read
         handle = lambda client, *_: self.handle(client)  # noqa: E731
         self._server = socketserver.ThreadingTCPServer(("127.0.0.1", port), handle)
         self._server.daemon_threads = True
         self.address = self.form.format(*self._server.server_address)
-        threading.Thread(
-            target=self._server.serve_forever, args=(0.01,), daemon=True
-        ).start()
+        run = partial(self._server.serve_forever, 0.01)
+        threading.Thread(target=run, daemon=True).start()
 
     def handle(self, client):
         """Serve a connection."""
-        served(client.recv, client.sendall, self._whole, self.wire)
+        serve(client.makefile("rb"), self._read, self.wire, client.sendall)
 
     def close(self):
         self._server.shutdown()
@@ -120,18 +111,18 @@ class Visa(Server):
 class Network(Server):
     """A T7: function 76 on one port, packets of the stream on that 200 above."""
 
-    def __init__(self, whole, model):
+    def __init__(self, model):
         self._model = model
         for port in range(20_000 + os.getpid() % 10_000, 60_000):
             with suppress(OSError):
-                self._stream = Stream(whole_line, model, port + 200)
-                super().__init__(whole, self._answer, port)
+                self._stream = Stream(model, port=port + 200)
+                super().__init__(self._answer, frame, port)
                 return
 
-    def _answer(self, frame):
-        number, _, _, unit, function = struct.unpack_from(">HHHBB", frame)
+    def _answer(self, request):
+        number, _, _, unit, function = struct.unpack_from(">HHHBB", request)
         try:
-            body = self._model(frame[8:])
+            body = self._model(request[8:])
         except LookupError as refusal:  # with LabJack's own code of its cause
             self._model.set(55000, "H", *refusal.args)
             body = b"\6"
@@ -151,13 +142,16 @@ class Stream(Server):
         client.recv(1)  # until the other end closes
 
 
+# Model and far end of the wire of each driver.
 PEERS = {
-    "labjack-t7": (T7, Network, whole_frame),
-    "rf-driver": (Firmware, Terminal, whole_line),
-    "sdg2042x": (Generator, Visa, whole_line),
-    "pm100d": (Meter, Visa, whole_line),
+    "labjack-t7": (T7, Network),
+    "rf-driver": (Firmware, Terminal),
+    "sdg2042x": (Generator, Visa),
+    "pm100d": (Meter, Visa),
 }
-"""Model, far end of the wire and form of a request of each driver but the motors."""
+for driver in MOTORS:
+    controller = partial(Controller, driver=driver)
+    PEERS[driver] = (controller, partial(Terminal, read=message))
 
 
 class World:
@@ -167,18 +161,15 @@ class World:
         self.passed = 0.0
         bench = simulated_bench(rig, scene, seed=seed)
         self.panel = bench.daq.panel
-        self.devices = bench.devices
         self.models = {}
         self.ends = {}
-        named = dict(rig.devices)
+        self.rig = rig
         for role, device in bench.devices.items():
-            driver = named[role].driver
-            kind, end, whole = PEERS.get(driver, (Controller, Terminal, whole_message))
-            timed = self.now if kind in (T7, Firmware) else driver
-            self.models[role] = kind(device, timed)
-            self.ends[role] = end(whole, self.models[role])
-            named[role] = replace(named[role], address=self.ends[role].address)
-        self.rig = replace(rig, devices=named)
+            kind, end = PEERS[rig.devices[role].driver]
+            self.models[role] = kind(device, clock=self.now)
+            self.ends[role] = end(self.models[role])
+            address = self.ends[role].address
+            self.rig = with_device(self.rig, role, address=address)
 
     def now(self):
         """Time, s."""
@@ -201,9 +192,8 @@ class World:
     @property
     def lit(self):
         """Whether light may go out."""
-        return (
-            self.panel.laser_on or self.panel.shutter_open or self.panel.beam_block_out
-        )
+        panel = self.panel
+        return panel.laser_on or panel.shutter_open or panel.beam_block_out
 
     @property
     def dark(self):
