@@ -156,7 +156,8 @@ views.show_scene("scene_room", title="the room")
 #    is subtracted ([chapter 12](12_robustness.ipynb)).
 # 5. **Ties.** Along each border two surfaces either meet, so that they differ by the same whole
 #    wraps all along it, or one occludes the other. Belief propagation passes the probabilities of
-#    offsets from surface to surface, so that a false contact is outvoted by those that agree.
+#    offsets from surface to surface, so that a false contact is outvoted by those that agree. A
+#    step that the beats of both sides forbid is no contact: a wall behind leaves stays where it is.
 # 6. **The rest** takes the nearest surface within 4 px, or else the beat of its surroundings.
 # 7. **Votes.** An unexplained pixel follows its neighbours if its own beat is certain to 4 wraps,
 #    as for many pixels of a scan ([chapter 21](21_scanned_scenes.ipynb)).

@@ -28,8 +28,8 @@ def hybrid(measurement: Measurement, *, weights: Path | None = None) -> Estimate
     from cmtof.network.inference import network_for, scores
 
     network = network_for(measurement, "fast-scnn", weights)
-    first, _ = wraps_in_range(measurement)
-    odds = scores(network, without_holes(measurement), mirrored=True)
+    first, last = wraps_in_range(measurement)
+    odds = scores(network, without_holes(measurement), first, last, mirrored=True)
     odds -= np.log(np.exp(odds).sum(axis=0))  # in place: there may be hundreds of wraps
     period = wrap_length(measurement.frequencies[0])
 

@@ -1,5 +1,7 @@
 """Features: closed forms, no trace of where a phase was cut, NumPy and torch alike."""
 
+import tracemalloc
+
 import numpy as np
 import torch
 from numpy.testing import assert_allclose
@@ -49,3 +51,10 @@ def test_beat_features_turn_with_the_beat():
     assert np.allclose(both[0] + 1j * both[1], expected * np.pi / 20_000)
     with raises(ValueError, match="Expected raw correlations"):
         features(PHASE, AMPLITUDE, "correlation")
+
+
+def test_inputs_are_laid_out_where_they_stay():
+    tracemalloc.start()
+    inputs = features(PHASE, AMPLITUDE, "beat")
+    assert tracemalloc.get_traced_memory()[1] < 1.6 * inputs.nbytes
+    tracemalloc.stop()

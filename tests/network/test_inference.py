@@ -3,11 +3,15 @@
 import numpy as np
 import torch
 from numpy.testing import assert_allclose
-from pytest import mark
+from pytest import mark, param
 from tests.network.conftest import card
 
+import cmtof
+from cmtof.correlation import wrap_count_from_depth
+from cmtof.estimate import without_holes
+from cmtof.frame import held_out_frames
 from cmtof.network import inference, weights
-from cmtof.network.features import CLASSES
+from cmtof.network.features import CLASSES, features
 from cmtof.network.models import MODELS, build_network
 from cmtof.network.training import norms
 from cmtof_book.onnx_graphs import graph_of
@@ -17,6 +21,36 @@ def in_torch(network, inputs):
     """Answer (C, H, W) of a network of torch."""
     with torch.inference_mode():
         return network(torch.from_numpy(inputs))[0].numpy()
+
+
+def inputs_of(kind, measurement):
+    """Features (1, C, H, W) of a measurement."""
+    phase, amplitude, *more = inference.network_images(measurement, kind)
+    return features(phase, amplitude, kind, *more)[None]
+
+
+SHIPPED = sorted(path.name for path in weights.FOLDER.glob("*.released.safetensors"))
+
+
+@mark.parametrize("numbers", [[7], param(range(32), marks=mark.slow)])
+@mark.parametrize("name", SHIPPED)
+def test_wraps_equal_those_of_torch(name, numbers):
+    path = weights.FOLDER / name
+    network, card = weights.load_weights(path)
+    frames = held_out_frames()
+    same = []
+    for number in numbers:
+        measurement = without_holes(cmtof.simulate(frames[number], frame_number=number))
+        answer = in_torch(network, inputs_of(network.model.features, measurement))
+        wraps = (
+            answer.argmax(0)
+            if len(answer) > 1
+            else answer[0].clip(0, card.classes - 1) // 1
+        )
+        depth, _ = inference.unwrap_with_network(measurement, weights=path)
+        found = wrap_count_from_depth(depth, measurement.frequencies[0])
+        same.append(card.first_wrap + wraps == found)
+    assert np.mean(same) >= 0.9999
 
 
 @mark.parametrize("size", [(33, 50), (1, 3)])

@@ -1,27 +1,30 @@
 """Networks: sizes, how far they see, what their first layer sees."""
 
+from functools import partial
+
 import numpy as np
 import torch
+from numpy.testing import assert_allclose
 from pytest import mark
 
 from cmtof.correlation import TAU
-from cmtof.network.features import features
+from cmtof.network.features import CLASSES, features
 from cmtof.network.models import BEAT, MODELS, build_network, conv
+from cmtof.network.training import norms
 
 
-@mark.parametrize(("name", "reach"), [("fast-scnn", 256), ("u-net", 192)])
-def test_networks_see_no_farther_than_their_reach(name, reach):
-    """A change farther away, by a stride of the coarsest features, changes nothing."""
+# but for rapid, whose mean is over the whole image
+@mark.parametrize("name", ["fast-scnn", "u-net", "one-step", "deep-tof"])
+def test_networks_see_no_farther_than_their_reach(name):
     torch.manual_seed(1)
     network = build_network(name).eval()
-    edge = reach + network.stride
-    image = torch.randn(1, network.inputs, 16, edge + reach)
+    image = torch.randn(1, network.inputs, 16, 2 * network.reach + 3 * network.stride)
     changed = image.clone()
-    changed[..., edge:] += 3
     with torch.inference_mode():
-        moved = (network(image) - network(changed)).abs().amax((0, 1, 2))
-    assert not moved[: network.stride].any()
-    assert moved[edge:].any()
+        changed[..., network.reach + network.stride :] += 3
+        difference = (network(image) - network(changed)).abs()
+    assert not difference[..., : network.stride].any()
+    assert difference[..., network.reach + network.stride :].any()
 
 
 def test_compared_networks_have_about_as_many_weights():
@@ -42,6 +45,26 @@ def test_regression_spans_the_range_in_single_precision():
             layer.zero_()
         found = network(torch.randn(1, network.inputs, 32, 32))
     assert found.dtype == torch.float32 and (found == 179).all()
+
+
+@mark.parametrize(
+    ("protocol", "quarters"), [("released", (1, -1)), ("full", (0, 1, 2, 3))]
+)
+def test_fresh_stem_sees_the_beat(protocol, quarters):
+    """Means of the rectified filters follow |sin((b - beta)/2)|, whatever the phase."""
+    first, classes = CLASSES[protocol]
+    kernels = (
+        build_network("fast-scnn", protocol).stem[0].weight.detach()[:16, :, 1:2, 1:2]
+    )
+    beat = BEAT * np.linspace(first, first + classes, 7)[:, None]
+    low = np.random.default_rng(0).uniform(0, TAU, (7, 4000))
+    phase = torch.from_numpy(np.stack([low, (2 * low + beat) % TAU])).float()
+    inputs = features(phase, torch.full_like(phase, 3000.0))
+    seen = torch.relu(torch.nn.functional.conv2d(inputs, kernels))
+    means = seen.unflatten(0, (len(quarters), -1)).mean((1, 3))
+    beta = BEAT * (first + classes / 2) + TAU / 4 * np.array(quarters)
+    expected = 8 * 2 * np.abs(np.sin((beat - beta) / 2)).T / np.pi
+    assert_allclose(means, expected, rtol=0, atol=0.25)
 
 
 def test_path_to_the_pyramid_carries_the_beat_from_the_start():
@@ -65,21 +88,48 @@ def test_path_to_the_pyramid_carries_the_beat_from_the_start():
     assert abs(np.corrcoef(difference, wraps)[0, 1]) > 0.95
 
 
+@mark.parametrize("precision", [torch.float32, torch.bfloat16])
+def test_frozen_norms_go_into_the_kernels_and_change_nothing(precision):
+    """The same answers as of norms that are applied after their convolution."""
+    torch.manual_seed(2)
+    network = build_network("fast-scnn").eval()
+    for layer in norms(network):
+        torch.nn.init.uniform_(layer.running_mean, -1, 1)
+        torch.nn.init.uniform_(layer.running_var, 0.5, 2)
+        torch.nn.init.uniform_(layer.weight, 0.5, 2)
+    image = torch.randn(1, network.inputs, 32, 40)
+    with (
+        torch.no_grad(),
+        torch.autocast("cpu", precision, enabled=precision != torch.float32),
+    ):
+        folded = network(image).float()
+        for layer in norms(network):
+            layer.train()
+            layer.forward = partial(apply_statistics, layer)
+        apart = network(image).float()
+    tolerance = 1e-4 if precision == torch.float32 else 0.1
+    assert (folded - apart).abs().max() < tolerance * apart.abs().max()
+
+
+def apply_statistics(norm, x):
+    """A batch norm with its running statistics, though it is in training mode."""
+    return torch.nn.functional.batch_norm(
+        x, norm.running_mean, norm.running_var, norm.weight, norm.bias, eps=norm.eps
+    )
+
+
 def test_dilated_kernels_have_their_gradient_in_mixed_precision():
     """Also where memory held large numbers before: the gradient must not read them."""
     torch.manual_seed(3)
     layer = conv(64, 64, 3, relu=False, groups=64, dilation=4).eval()
     image = torch.randn(2, 64, 32, 32).contiguous(memory_format=torch.channels_last)
-
-    def gradient(precise):
-        layer.zero_grad()
-        with torch.autocast("cpu", torch.bfloat16, enabled=not precise):
-            loss = layer(image).square().mean()
-        loss.backward()
-        return layer[0].weight.grad.clone()
-
-    exact = gradient(True)
+    layer(image).square().mean().backward()
+    exact = layer[0].weight.grad.clone()
     for _ in range(20):
         for size in (576, 1152, 4096, 16384):  # large numbers in memory that is freed
             torch.full((size,), 1e25, dtype=torch.bfloat16)
-        assert (gradient(False) - exact).abs().max() < 0.02 * exact.abs().max()
+        layer.zero_grad()
+        with torch.autocast("cpu", torch.bfloat16):
+            loss = layer(image).square().mean()
+        loss.backward()
+        assert (layer[0].weight.grad - exact).abs().max() < 0.02 * exact.abs().max()

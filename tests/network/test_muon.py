@@ -2,7 +2,6 @@
 
 import torch
 from pytest import mark
-from torch.nn import Parameter
 
 from cmtof.network.muon import Muon, orthogonal
 
@@ -21,19 +20,45 @@ def test_singular_values_come_close_to_one(shape):
     )
 
 
-def test_groups_that_are_not_orthogonal_step_as_with_adamw():
+def parameters():
     torch.manual_seed(1)
-    kernel, offset, same = (Parameter(torch.randn(6, 4)) for _ in range(3))
-    same.data.copy_(offset)
-    before = kernel.detach().clone()
-    pairs = (kernel, True), (offset, False)
-    groups = [{"params": [weight], "orthogonal": turned} for weight, turned in pairs]
-    steppers = Muon(groups, lr=0.01), torch.optim.AdamW([same], lr=0.01)
-    for _ in range(5):
-        for weight in (kernel, offset, same):
-            weight.grad = 2 * (weight.detach() - 1)
-        for stepper in steppers:
-            stepper.step()
+    return torch.nn.Parameter(torch.randn(6, 4, 3, 3)), torch.nn.Parameter(
+        torch.randn(6)
+    )
+
+
+def muon(kernel, offset):
+    return Muon(
+        [{"params": [kernel], "orthogonal": True}, {"params": [offset]}], lr=0.01
+    )
+
+
+def stepped(optimizer, kernel, offset, steps):
+    for _ in range(steps):
+        optimizer.zero_grad()
+        ((kernel - 1) ** 2).sum().add(((offset - 1) ** 2).sum()).backward()
+        optimizer.step()
+
+
+def test_groups_that_are_not_orthogonal_step_as_with_adamw():
+    kernel, offset = parameters()
+    again, same = parameters()
+    stepped(muon(kernel, offset), kernel, offset, 5)
+    stepped(torch.optim.AdamW([again, same], lr=0.01), again, same, 5)
     assert torch.equal(offset, same)
-    # a fifth of the rate, root mean square
-    assert 0.001 < (kernel - before).square().mean().sqrt() / 5 < 0.004
+    assert not torch.equal(kernel, again)
+
+
+def test_orthogonal_steps_are_as_large_as_adamws_and_lead_to_the_minimum():
+    kernel, offset = parameters()
+    before = kernel.detach().clone()
+    optimizer = muon(kernel, offset)
+    stepped(optimizer, kernel, offset, 1)
+    assert (
+        0.3 * 0.01
+        < float((kernel.detach() - before).square().mean().sqrt()) / 0.4
+        < 3 * 0.01
+    )
+    optimizer.param_groups[0]["lr"] = 0.05
+    stepped(optimizer, kernel, offset, 250)
+    assert (kernel.detach() - 1).norm() < 0.4 * (before - 1).norm()

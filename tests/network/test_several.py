@@ -1,11 +1,14 @@
-"""Several processes train as one: their gradients are averaged."""
+"""Several processes train as one: their gradients are averaged, and a run survives one of them."""
 
 import os
+import signal
 import subprocess
 import sys
+import time
+from pathlib import Path
 
 import torch
-from pytest import mark
+from pytest import fixture, mark
 
 from cmtof.network.data import Steps, open_rooms
 from cmtof.network.recipe import read_config
@@ -23,6 +26,7 @@ validation_views: 2
 stages: [{name: leaves, crops: 240, crop: 64, batch: 4, noise: [30, 60], rate: [1.0e-3, 1.0e-4]}]
 """
 SCRIPT = """
+import sys
 from pathlib import Path
 import torch
 from lightning import Callback
@@ -36,23 +40,57 @@ class Keep(Callback):
             torch.save(found, "gradients.pt")
 
 flags = {"accelerator": "cpu", "devices": 2, "strategy": "ddp", "callbacks": [Keep()]}
-train(read_config("recipe.yml"), Path("both"), quiet=True, **flags)
+resume = Path(sys.argv[2]).is_dir()
+train(read_config(sys.argv[1]), Path(sys.argv[2]), quiet=True, resume=resume, **flags)
 """
 
 
-def test_gradients_of_two_processes_are_those_of_two_halves_in_one(tmp_path):
-    path = tmp_path / "recipe.yml"
-    path.write_text(RECIPE)
+@fixture
+def start(tmp_path):
+    """Start a run of two processes in a folder."""
+    (tmp_path / "recipe.yml").write_text(RECIPE)
     (tmp_path / "run.py").write_text(SCRIPT)
-    environment = os.environ | {"OMP_NUM_THREADS": "1"}
-    subprocess.run(
-        [sys.executable, "run.py"], cwd=tmp_path, env=environment, check=True
+
+    def starter(folder):
+        command = [sys.executable, "run.py", "recipe.yml", folder]
+        return subprocess.Popen(
+            command, cwd=tmp_path, env=os.environ | {"OMP_NUM_THREADS": "1"}
+        )
+
+    return starter
+
+
+def test_gradients_of_two_processes_are_those_of_two_halves_in_one(start, tmp_path):
+    assert start("both").wait(600) == 0
+    config = read_config(tmp_path / "recipe.yml")
+    module = Unwrapping(
+        config, open_rooms(config, None, tmp_path), tmp_path / "last.ckpt"
     )
-    config = read_config(path)
-    module = Unwrapping(config, open_rooms(config, None, tmp_path), tmp_path)
     for rank in range(2):  # norms see one half at a time, as in a process
-        sample = module.measured(Steps(config, None, rank, 2)[0])
-        (loss_of(module.network, sample) / 2).backward()
+        (
+            loss_of(module.network, module.measured(Steps(config, None, rank, 2)[0]))
+            / 2
+        ).backward()
     found = torch.load(tmp_path / "gradients.pt")
     for name, weight in module.network.named_parameters():
-        torch.testing.assert_close(found[name], weight.grad, rtol=1e-4, atol=1e-6)
+        torch.testing.assert_close(
+            found[name], weight.grad, rtol=1e-4, atol=1e-6, msg=name
+        )
+
+
+def test_a_run_goes_on_after_one_of_its_processes_was_killed(start, tmp_path):
+    assert start("whole").wait(600) == 0
+    run = start("killed")
+    last = tmp_path / "killed" / "last.ckpt"
+    while not last.is_file():
+        assert run.poll() is None
+        time.sleep(0.05)
+    children = Path(f"/proc/{run.pid}/task/{run.pid}/children").read_text().split()
+    os.kill(int(children[0]), signal.SIGKILL)
+    assert run.wait(600) != 0
+    assert not list((tmp_path / "killed").glob("*.safetensors"))
+    assert start("killed").wait(600) == 0
+    (whole,), (killed,) = (
+        (tmp_path / n).glob("*.safetensors") for n in ("whole", "killed")
+    )
+    assert whole.read_bytes() == killed.read_bytes()

@@ -13,15 +13,18 @@ from torch import Tensor
 from torch.utils.data import Dataset
 
 from cmtof.constants import FREQUENCIES, GAIN, INTEGRATION_TIME, SPEED_OF_LIGHT
-from cmtof.correlation import TAU
+from cmtof.correlation import TAU, wrap_length
 from cmtof.frame import Source
 from cmtof.hypersim import Hypersim
 from cmtof.measurement import unambiguous_range
 from cmtof.network.features import CLASSES, features
-from cmtof.network.losses import IGNORED, WRAP
+from cmtof.network.losses import IGNORED
 from cmtof.network.recipe import Config
 from cmtof.simulation import RELEASED_FAR_DEPTH, released_scale
 from cmtof.types import Array, Arrays
+
+# Depth of a wrap of the lower frequency, m.
+WRAP = float(wrap_length(FREQUENCIES[0]))
 
 # Depth, m (NaN where unknown), and linear intensity, 0 to 1.
 Crop = Arrays
@@ -135,11 +138,8 @@ def _plate_depth(
     if rng.uniform() > 0.85:
         level = rng.uniform(-min(25, first), 0)
     slope = (0.02 if first else 0.1) * np.exp(rng.normal())
-    bend = rng.normal(0, 2) / size**2
-    if rng.uniform() >= 0.3:
-        bend = 0.0
-    tilted = slope * _rotate(away, rng)[0]
-    return first + level + tilted + bend * (away**2).sum(0)
+    bend = rng.normal(0, 2) * (rng.uniform() < 0.3) / size**2
+    return first + level + slope * _rotate(away, rng)[0] + bend * (away**2).sum(0)
 
 
 def _plate_light(rng: np.random.Generator, pixels: Array, along: Array) -> Array:
@@ -149,8 +149,7 @@ def _plate_light(rng: np.random.Generator, pixels: Array, along: Array) -> Array
     kinds = (waves[0], np.sign(waves[0] * waves[1]), np.clip(along, -1, 1))
     contrast = rng.uniform(0, 0.8) * (rng.uniform() < 0.6)
     bright = 0.35 * np.exp(rng.normal(0, 1.1))
-    pattern = kinds[rng.integers(3)]
-    return bright * (1 + contrast * pattern)
+    return bright * (1 + contrast * kinds[rng.integers(3)])
 
 
 class Pack(NamedTuple):
@@ -174,17 +173,23 @@ Packs = tuple[Pack | None, Pack]  # to train and to validate on
 
 
 def pack_views(views: Sequence[Source]) -> Pack:
-    """Views of one size in memory; a broken one is left out with a warning."""
+    """Views in memory; one that is broken, empty, or of another size is left out with a warning."""
     depths = []
     lights = []
     for view in views:
         try:
-            frame = view.load()
+            depth = (frame := view.load()).depth
+            light = frame.intensity
+            shape = depths[0].shape if depths else depth.shape
+            if depth.shape != shape or not np.isfinite(depth).any():
+                raise ValueError(
+                    f"Expected depths of {shape} px, got {depth.shape} or none. Look at it."
+                )
         except (OSError, ValueError) as error:
             warnings.warn(f"{view.name} is left out. {error}", stacklevel=2)
             continue
-        depths.append(frame.depth.astype(np.float32))
-        lights.append(np.clip(frame.intensity, 0, 1).astype(np.float16))
+        depths.append(depth.astype(np.float32))
+        lights.append(np.clip(light, 0, 1).astype(np.float16))
     if not depths:
         raise ValueError(
             "Expected views to train and to validate on, got none. Render 10 scenes or more."
@@ -215,13 +220,10 @@ def open_rooms(config: Config, tree: Path | None, folder: Path) -> Packs:
 
 def _pack_of_leaves(config: Config) -> Pack:
     """Leaves to validate on."""
-    count = config.validation_views
-    side = config.stages[-1].crop
-    rngs = [np.random.default_rng([99, k]) for k in range(count)]
-    depth, light = np.stack(
-        [leaves(rng, side, config.protocol) for rng in rngs], axis=1
-    )
-    return Pack(depth, light, np.full(count, RELEASED_FAR_DEPTH))
+    rngs = (np.random.default_rng([99, k]) for k in range(config.validation_views))
+    crops = [leaves(rng, config.stages[-1].crop, config.protocol) for rng in rngs]
+    depth, light = (np.stack(images) for images in zip(*crops, strict=True))
+    return Pack(depth, light, np.full(len(crops), RELEASED_FAR_DEPTH))
 
 
 def room_crop(rng: np.random.Generator, pack: Pack, side: int, protocol: str) -> Crop:
@@ -238,8 +240,7 @@ def room_crop(rng: np.random.Generator, pack: Pack, side: int, protocol: str) ->
     turn = rng.integers(4)
     mirror = 1 - 2 * rng.integers(2)
     depth, light = (np.rot90(image, turn)[:, ::mirror] for image in best)
-    brighter = np.exp(rng.uniform(-0.4, 0.4))
-    return depth, np.clip(light * brighter, 0, 1)
+    return depth, np.clip(light * np.exp(rng.uniform(-0.4, 0.4)), 0, 1)
 
 
 def _draw_window(
@@ -281,8 +282,7 @@ class Steps(Dataset[Batch]):
                 crop = room_crop(rng, self.pack, stage.crop, self.config.protocol)
             else:
                 crop = leaves(rng, stage.crop, self.config.protocol)
-            varied = sigma * float(np.exp(rng.uniform(-0.2, 0.1)))
-            crops.append((*crop, varied, rng))
+            crops.append((*crop, sigma * float(np.exp(rng.uniform(-0.2, 0.1))), rng))
         return batch_of(crops, self.config.offset)
 
 

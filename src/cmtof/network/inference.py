@@ -9,7 +9,6 @@ import os
 from dataclasses import dataclass, field
 from functools import lru_cache
 from pathlib import Path
-from typing import Any
 
 import numpy as np
 import xarray as xr
@@ -35,6 +34,7 @@ from cmtof.network.features import FULL_AMPLITUDE, features, padding
 from cmtof.network.weights import (
     FOLDER,
     Card,
+    Refused,
     find_weights,
     read_weights,
     refused,
@@ -65,6 +65,8 @@ class Ready:
 def read_graph(card: Card) -> bytes:
     """Graph of a model, an ONNX file without weights."""
     path = FOLDER / f"{card.model}.{card.protocol}.onnx.gz"
+    if not path.is_file():
+        raise Refused("no such model")
     return gzip.decompress(path.read_bytes())
 
 
@@ -124,6 +126,7 @@ def unwrap_with_network(
     Returned are depth, m, and the probability of the chosen class, of a regression the share of
     right wraps in validation; both (H, W).
     """
+    first, last = wraps_in_range(measurement)
     ready = network_for(measurement, model, weights)
     card = ready.card
     if about(ready)["target"] == "depth":
@@ -133,8 +136,7 @@ def unwrap_with_network(
         depth = turns * wrap_length(FREQUENCIES[0])
         sure = np.full_like(depth, card.validation.delta_lt_1)
     else:
-        odds = scores(ready, measurement, mirrored)
-        first, _ = wraps_in_range(measurement)
+        odds = scores(ready, measurement, first, last, mirrored)
         depth = depth_from_wraps(
             measurement.phase[0], first + (odds == 0).argmax(0), FREQUENCIES[0]
         )
@@ -163,12 +165,17 @@ def network_for(
     return ready
 
 
-def scores(ready: Ready, measurement: Measurement, mirrored: bool = False) -> Single:
-    """Log-odds (N, H, W) of the wraps in range against the likeliest of each pixel.
+def scores(
+    ready: Ready,
+    measurement: Measurement,
+    first: int,
+    last: int,
+    mirrored: bool = False,
+) -> Single:
+    """Log-odds (N, H, W) of the wraps ``first <= n <= last`` against the likeliest of each pixel.
 
     Raises a ValueError if the network does not distinguish all of them.
     """
-    first, last = wraps_in_range(measurement)
     card = ready.card
     low = card.first_wrap
     stop = low + card.classes
@@ -222,13 +229,16 @@ def output(ready: Ready, measurement: Measurement, mirrored: bool = False) -> Si
     """Output (C, H, W) of a network for a measurement, or its mean over four mirror images."""
     kind = about(ready)["features"]
     images = network_images(measurement, kind)
-    mirrors = MIRRORS if mirrored else MIRRORS[:1]
-    found: Any = 0
-    for mirror in mirrors:
+
+    def answer(mirror):
         phase, amplitude, *more = (image[mirror] for image in images)
-        inputs = features(phase, amplitude, kind, *more)[None]
-        found += run_padded(ready, inputs)[mirror]
-    found /= len(mirrors)
+        return run_padded(ready, features(phase, amplitude, kind, *more)[None])[mirror]
+
+    found = answer(())
+    if mirrored:
+        for mirror in MIRRORS[1:]:
+            found += answer(mirror)
+        found /= len(MIRRORS)
     return found
 
 

@@ -31,16 +31,40 @@ class ImageNorm(nn.InstanceNorm2d):
         )
 
 
+class Normed(nn.Sequential):
+    """Convolution, batch norm, and what follows them.
+
+    A norm that keeps its statistics is a scale and an offset: they go into the kernel and its bias,
+    which spares passes over the image.
+    """
+
+    def forward(self, x: Tensor) -> Tensor:
+        layer, norm, *more = self
+        if norm.training or isinstance(norm, ImageNorm):
+            return super().forward(x)
+        scale, offset = scale_and_offset(norm)
+        x = layer._conv_forward(x, layer.weight * scale.view(-1, 1, 1, 1), offset)
+        for function in more:
+            x = function(x)
+        return x
+
+
+def scale_and_offset(norm: nn.Module) -> tuple[Tensor, Tensor]:
+    """What a batch norm with fixed statistics multiplies each channel with, and adds to it."""
+    scale = norm.weight * torch.rsqrt(norm.running_var + norm.eps)
+    return scale, norm.bias - norm.running_mean * scale
+
+
 def conv(
     i: int, o: int, kernel=3, *, relu=True, norm=nn.BatchNorm2d, dilation=1, **more
-) -> nn.Sequential:
+) -> Normed:
     """Convolution, norm, ReLU; `torch.nn.Conv2d` has ``more``."""
     # one kernel for each channel
     alone = dilation > 1 and more.get("groups", 1) > 1
     kind = SingleConv2d if alone else nn.Conv2d
     margin = dilation * (kernel // 2)
     layer = kind(i, o, kernel, padding=margin, dilation=dilation, bias=False, **more)
-    return nn.Sequential(layer, norm(o), *([nn.ReLU(inplace=True)] if relu else []))
+    return Normed(layer, norm(o), *([nn.ReLU(inplace=True)] if relu else []))
 
 
 def separable(i: int, o: int, stride: int = 1, norm=nn.BatchNorm2d) -> nn.Sequential:
@@ -50,10 +74,10 @@ def separable(i: int, o: int, stride: int = 1, norm=nn.BatchNorm2d) -> nn.Sequen
     )
 
 
-def resized(x: Tensor, like: Tensor, corners: bool = False) -> Tensor:
-    """Image at the size of another, bilinear, centres of pixels at +0.5, or corners on corners."""
+def resized(x: Tensor, like: Tensor) -> Tensor:
+    """Image at the size of another, bilinear, pixel centres at +0.5."""
     return functional.interpolate(
-        x, size=like.shape[-2:], mode="bilinear", align_corners=corners
+        x, size=like.shape[-2:], mode="bilinear", align_corners=False
     )
 
 

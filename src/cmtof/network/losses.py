@@ -9,8 +9,8 @@ from cmtof.correlation import TAU, wrap_length
 
 IGNORED = -100  # label of a masked pixel, which costs nothing
 
-WRAP = float(wrap_length(FREQUENCIES[0]))  # depth of one of the lower frequency, m
-WRAP_MM = 1e3 * WRAP  # in the paper's unit of depth (Sec. 5.3)
+# Depth of one wrap of the lower frequency, mm: the paper's unit of depth (Sec. 5.3).
+WRAP_MM = 1e3 * float(wrap_length(FREQUENCIES[0]))
 
 
 def soft_argmax(weights: Tensor, hardness: float = 1.0) -> Tensor:

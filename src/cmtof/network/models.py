@@ -17,10 +17,12 @@ from cmtof.network.features import CLASSES, FEATURE_SETS, channels, padding
 from cmtof.network.layers import (
     Bottleneck,
     ImageNorm,
+    Normed,
     Pyramid,
     Residual,
     conv,
     resized,
+    scale_and_offset,
     separable,
 )
 
@@ -44,11 +46,11 @@ class Network(nn.Module):
     """Network from features (B, C, H, W) of any size to weights of classes (B, N, H, W).
 
     For the target ``"depth"`` to depth (B, 1, H, W), wraps above the first class; ``stride`` that
-    of the coarsest features, px.
+    of the coarsest features, px, ``reach`` how far a pixel sees, a multiple of the stride.
     """
 
     target = "wraps"
-    stride = 1
+    stride = reach = 1
 
     def __init__(self, model: Model, classes: int) -> None:
         super().__init__()
@@ -79,6 +81,7 @@ class FastSCNN(Network):
     """
 
     stride = 8
+    reach = 256
     stem_width = 32  # at full resolution
     head_width = 64
     down_widths = 48, 64  # at 1/2 and 1/4
@@ -128,8 +131,16 @@ class FastSCNN(Network):
         down = self.down(skip)  # (B, 64, H/4, W/4)
         deep = self.deep(self.pyramid(self.extract(down)))  # (B, 128, H/8, W/8)
         context = self.classify(functional.relu(resized(deep, down) + self.fine(down)))
-        joined = resized(context, skip) + self.skip(skip)
-        return self.output(functional.relu(self.norm(joined)))
+        return self.output(self.joined(context, skip))
+
+    def joined(self, context: Tensor, skip: Tensor) -> Tensor:
+        """Sum of the context, at full resolution, and the skip's convolution; norm, ReLU."""
+        if self.norm.training:
+            return functional.relu(self.norm(resized(context, skip) + self.skip(skip)))
+        scale, offset = (x.view(-1, 1, 1, 1) for x in scale_and_offset(self.norm))
+        context = (context * scale[..., 0] + offset[..., 0]).to(context.dtype)
+        fine = self.skip._conv_forward(skip, self.skip.weight * scale, None)
+        return functional.relu_(fine.add_(resized(context, skip)))
 
     @torch.no_grad()
     def see_the_beat(self, first: int) -> None:
@@ -143,6 +154,8 @@ class FastSCNN(Network):
         middle = BEAT * (first + self.classes / 2)
         self._filter([middle + TAU / 4 * quarter for quarter in quarters])
         self._hand_on(len(quarters))
+        if len(quarters) > 2:
+            self._begin_alike()
 
     def _filter(self, betas: list[float]) -> None:
         """Half of the stem's filters: as many angles alpha for each beta."""
@@ -179,6 +192,14 @@ class FastSCNN(Network):
                 kernel.weight[k, 0 if kernel.groups > 1 else k] = LARGE / size
             norm.bias[:8] = 2.0 if relu else 0.0
 
+    def _begin_alike(self) -> None:
+        """Classes near each other: smooth random functions of the place in the range."""
+        cycle = torch.arange(1, 65)
+        place = torch.arange(self.classes) + 0.5
+        codes = torch.randn(64, self.head_width) / (1 + (cycle[:, None] / 6) ** 2)
+        waves = torch.cos(torch.outer(place, cycle) * (TAU / 2 / self.classes))
+        self.output.weight[..., 0, 0] = 0.12 * waves @ codes
+
 
 class LightFastSCNN(FastSCNN):
     """A tenth of the weights."""
@@ -197,13 +218,14 @@ class PublicFastSCNN(Network):
     """Fast-SCNN of the authors' public code: phases alone, no skip at full resolution."""
 
     stride = 8
+    reach = 256
     widths = 64, 64, 64, 64, 96, 96, 96, 128, 128, 128
     halved = 0, 3  # bottlenecks of stride 2
 
     def build(self) -> None:
         enter = nn.Conv2d(self.inputs, 32, 3, 2, bias=False)
         self.down = nn.Sequential(
-            nn.Sequential(enter, ImageNorm(32), nn.ReLU()),
+            Normed(enter, ImageNorm(32), nn.ReLU()),
             separable(32, 48, norm=ImageNorm),
             separable(48, 64, norm=ImageNorm),
         )
@@ -226,15 +248,16 @@ class PublicFastSCNN(Network):
 
     def body(self, x: Tensor) -> Tensor:
         fine = self.down(x)  # (B, 64, H/2, W/2)
-        deep = self.deep(resized(self.extract(fine), fine, corners=True))
+        deep = self.deep(public.spread(self.extract(fine), fine))
         mixed = functional.relu(deep + self.fine(fine))
-        return resized(self.classify(mixed), x, corners=True)
+        return public.spread(self.classify(mixed), x)
 
 
 class UNet(Network):
     """U-Net (Ronneberger, Fischer and Brox 2015; 64 to 1024 wide there), with batch norms."""
 
     stride = 16
+    reach = 192
     widths = 24, 48, 72, 104, 128
 
     def build(self) -> None:
@@ -263,6 +286,7 @@ class OneStep(UNet):
     """One-step unwrapping (Wang, Li, Kemao, Di and Zhao 2019): a residual U-Net that regresses."""
 
     target = "depth"
+    reach = 256
     widths = 16, 32, 56, 72, 96
 
     def level(self, i: int, o: int) -> nn.Module:
@@ -277,6 +301,7 @@ class DeepToF(Network):
 
     target = "depth"
     stride = 4
+    reach = 96
 
     def build(self) -> None:
         self.stem = conv(self.inputs, 16, 7)
@@ -305,6 +330,7 @@ class Rapid(Network):
     """
 
     stride = 16
+    reach = 448
 
     def build(self) -> None:
         self.stem = conv(self.inputs, 32, stride=2)

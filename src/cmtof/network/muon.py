@@ -1,20 +1,25 @@
 """Muon: momentum whose directions all count alike, for kernels (Jordan et al. 2024)."""
 
-from collections.abc import Callable
+from collections.abc import Callable, Iterable
 from typing import Any
 
 import torch
 from torch import Tensor
+
+from cmtof.types import Fields
 
 # Share of the old momentum that stays in a step.
 MOMENTUM = 0.95
 
 
 class Muon(torch.optim.AdamW):
-    """AdamW, but groups that are ``orthogonal`` move by their orthogonalised momentum.
+    """AdamW, but a group with ``orthogonal`` moves by its orthogonalised momentum.
 
     Steps are scaled as large as AdamW's are, so that one learning rate fits both (Liu et al. 2025).
     """
+
+    def __init__(self, groups: Iterable[Fields], **options: Any) -> None:
+        super().__init__([{"orthogonal": False} | group for group in groups], **options)
 
     def step(self, closure: Callable[[], Any] | None = None) -> Any:
         """One step; the closure evaluates loss and gradients."""

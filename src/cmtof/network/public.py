@@ -5,8 +5,16 @@ Facts from https://github.com/princeton-computational-imaging/GHz-ToF, ``net/arc
 
 import torch
 from torch import Tensor, nn
+from torch.nn import functional
 
-from cmtof.network.layers import ImageNorm, conv, resized
+from cmtof.network.layers import ImageNorm, conv
+
+
+def spread(x: Tensor, like: Tensor) -> Tensor:
+    """Image at the size of another, bilinear, corners on corners."""
+    return functional.interpolate(
+        x, size=like.shape[-2:], mode="bilinear", align_corners=True
+    )
 
 
 def means(size: int, count: int, like: Tensor) -> Tensor:
@@ -41,5 +49,5 @@ class Pyramid(nn.Module):
         found = [x]
         for branch, count in zip(self.branches, self.counts, strict=True):
             mean = means(height, count, x) @ x @ means(width, count, x).T
-            found.append(resized(branch(mean), x, corners=True))
+            found.append(spread(branch(mean), x))
         return self.join(torch.cat(found, 1))

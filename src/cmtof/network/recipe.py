@@ -5,13 +5,7 @@ from pathlib import Path
 from typing import Annotated, Any, Literal
 
 import yaml
-from pydantic import (
-    Field,
-    NonNegativeFloat,
-    PositiveFloat,
-    PositiveInt,
-    model_validator,
-)
+from pydantic import Field, PositiveFloat, PositiveInt, model_validator
 
 from cmtof.files import AnyPath, check_input, read_document
 from cmtof.network.models import MODELS
@@ -67,12 +61,14 @@ class Config(Strict):
     protocol: Literal["released", "full"] = "released"
     stages: tuple[Stage, ...] = Field(min_length=1)
     rooms: Rooms | None = Rooms()  # without them it validates on leaves
-    depth_weight: NonNegativeFloat | None = None  # w of Eq. 7; None: the model's
+    depth_weight: Annotated[float, Field(ge=0)] | None = (
+        None  # w of Eq. 7; None: the model's
+    )
     average: Annotated[float, Field(ge=0, lt=1)] = (
         0.998  # share of the old in averaged weights
     )
     # standard deviation of each phase's error of calibration, drawn for each crop, rad
-    offset: NonNegativeFloat = 0.0
+    offset: Annotated[float, Field(ge=0)] = 0.0
     optimizer: Literal["adamw", "muon"] = "adamw"
     precision: str = "bf16-mixed"  # Lightning's
     save_every: PositiveInt = 250  # steps

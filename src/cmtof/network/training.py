@@ -5,6 +5,7 @@ import logging
 import platform
 import time
 import warnings
+import zipfile
 from collections.abc import Iterator, Sequence
 from contextlib import nullcontext
 from copy import deepcopy
@@ -62,8 +63,7 @@ def norms(network: nn.Module) -> list[nn.BatchNorm2d]:
 def optimizer_of(network: nn.Module, kind: str, rate: float = 1.0) -> Muon:
     """AdamW, or Muon for dense kernels alone: kernels of single channels and offsets have AdamW."""
     groups: list[Any] = [
-        {"params": [], "weight_decay": decay, "orthogonal": False}
-        for decay in (1e-3, 1e-3, 0.0)
+        {"params": [], "weight_decay": decay} for decay in (1e-3, 1e-3, 0.0)
     ]
     for weight in network.parameters():
         group = 2 if weight.ndim < 2 else int(weight.shape[1] == 1)
@@ -183,7 +183,7 @@ class Unwrapping(LightningModule):
         for view in np.unique(places.round()).astype(int):
             crop = pack.staged(view, self.config.protocol)
             held = batch_of([(*crop, sigma, np.random.default_rng([7, view]))])
-            sample = self.measured(self.transfer_batch_to_device(held, self.device, 0))
+            sample = self.measured(Batch(*(x.to(self.device) for x in held)))
             with torch.inference_mode():
                 found = network(sample.inputs)
             turns = found[:, 0].floor().clamp(0, network.classes - 1)
@@ -195,39 +195,37 @@ class Unwrapping(LightningModule):
 
     def validated(self) -> Fields:
         """Fields of a card: rates of the averaged weights and of trivial answers, and the gain."""
-        deltas, labels = zip(*self.errors(), strict=True)
-        label = np.concatenate(labels)
-        constants = {
-            "middle": self.average.classes // 2,
-            "mode": np.bincount(label).argmax(),
+        ours, labels = zip(*self.errors(), strict=True)
+        mode = int(np.bincount(np.concatenate(labels)).argmax())
+        constants = {"middle": self.average.classes // 2, "mode": mode}
+        others = {
+            name: [abs(n - true) for true in labels] for name, n in constants.items()
         }
-        trivial = {name: _rates(abs(n - label)) for name, n in constants.items()}
+        trivial = {name: _rates(deltas) for name, deltas in others.items()}
         best = max(trivial, key=lambda name: trivial[name].delta_lt_1)
-        gains = [
-            np.mean(delta < 1) - np.mean(label == constants[best])
-            for delta, label in zip(deltas, labels, strict=True)
-        ]
         return {
-            "views": len(gains),
-            "validation": _rates(np.concatenate(deltas)),
+            "views": len(ours),
+            "validation": _rates(ours),
             "trivial": trivial,
-            "gain": _mean_and_interval(gains),
+            "gain": _gain(ours, others[best]),
         }
 
 
-def _mean_and_interval(gains: Sequence[float]) -> tuple[float, ...]:
-    """Mean of the gains of views, and its 95 % interval, which is Student's.
+def _gain(ours: Sequence[Numbers], others: Sequence[Numbers]) -> tuple[float, ...]:
+    """How much more often ours are right, and its 95 % interval.
 
-    Pixels of a view are right or wrong together.
+    It is Student's, over views: their pixels are right or wrong together.
     """
+    gains = [np.mean(a < 1) - np.mean(b < 1) for a, b in zip(ours, others, strict=True)]
     interval = (-1.0, 1.0)
     if len(gains) > 1:
         interval = ttest_1samp(gains, 0.0).confidence_interval()
     return tuple(float(x) for x in (np.mean(interval), *interval))
 
 
-def _rates(delta: Numbers) -> weights.Rates:
-    """Rates of wrap errors."""
+def _rates(deltas: Sequence[Numbers]) -> weights.Rates:
+    """Rates of wrap errors over all views."""
+    delta = np.concatenate(deltas)
     below = {f"delta_lt_{k}": float((delta < k).mean()) for k in (1, 2, 3)}
     return weights.Rates(**below, delta_ge_10=float((delta >= 10).mean()))
 
@@ -290,9 +288,11 @@ def _check_checkpoint(last: Path, config: Config, resume: bool) -> None:
             "Pass --resume, or choose another."
         )
     try:
-        held = torch.load(last, map_location="cpu", weights_only=True)
-        stored = held["cmtof"]["config"]
-    except Exception as error:  # pickle and torch raise half a dozen kinds
+        if spoilt := zipfile.ZipFile(last).testzip():
+            raise ValueError(f"{spoilt} is damaged")
+        held = torch.load(last, map_location="cpu", weights_only=True)["cmtof"]
+        stored = held["config"]
+    except Exception as error:  # pickle, zipfile and torch raise half a dozen kinds
         raise broken("a whole checkpoint", last, error) from error
     if stored != config.model_dump_json():
         raise ValueError(

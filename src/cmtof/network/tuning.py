@@ -13,10 +13,10 @@ from cmtof.constants import FREQUENCIES
 from cmtof.correlation import TAU
 from cmtof.measurement import Measurement
 from cmtof.network import weights
-from cmtof.network.data import Sample
+from cmtof.network.data import WRAP, Sample
 from cmtof.network.features import features
 from cmtof.network.inference import network_images
-from cmtof.network.losses import IGNORED, WRAP
+from cmtof.network.losses import IGNORED
 from cmtof.network.models import Network
 from cmtof.network.training import (
     average_into,
@@ -101,9 +101,11 @@ def _views(trained: weights.Trained, examples: Sequence[Example]) -> list[tuple]
     views = [_view(trained, *example) for example in examples]
     views = [view for view in views if (view[1] != IGNORED).any()]
     if not views:
+        first = trained.card.first_wrap
         raise ValueError(
-            f"Expected labels among the wraps that {trained.card.model} distinguishes, "
-            f"got none in {len(examples)} measurements. Choose other weights."
+            f"Expected labels among the wraps {first} to "
+            f"{first + trained.card.classes - 1}, got none in {len(examples)} measurements. "
+            "Choose other weights."
         )
     return views
 

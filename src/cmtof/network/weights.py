@@ -9,6 +9,7 @@ from importlib.resources import files
 from pathlib import Path
 from typing import Annotated, Any, Literal, NamedTuple
 
+import numpy as np
 from numpy.typing import NDArray
 from pydantic import BaseModel, ConfigDict, Field, PositiveInt
 
@@ -71,6 +72,10 @@ class Trained(NamedTuple):
 
     network: Network
     card: Card
+
+
+class Refused(RuntimeError):
+    """Why weights cannot be used."""
 
 
 def weights_path(model: str, protocol: str, folder: Path = FOLDER) -> Path:
@@ -137,37 +142,46 @@ def read_weights(path: Path) -> tuple[dict[str, NDArray], Card]:
 
     Raises a ValueError if the file or its card is missing, damaged, or does not match the other.
     """
+    from safetensors import SafetensorError
     from safetensors.numpy import load
 
     content = check_input(path, "weights, *.safetensors").read_bytes()
     card = read_card(path)
     found = hashlib.sha256(content).hexdigest()
-    if found != card.sha256:
-        reason = f"the hash {found[:12]}… instead of {card.sha256[:12]}…"
-        raise refused(path, card, reason)
-    return load(content), card
+    try:
+        if (card.first_wrap, card.classes) != CLASSES[card.protocol]:
+            raise Refused(f"no such model with {card.classes} classes")
+        if found != card.sha256:
+            raise Refused(f"the hash {found[:12]}… instead of {card.sha256[:12]}…")
+        arrays = load(content)
+        if not all(np.isfinite(array).all() for array in arrays.values()):
+            raise Refused("NaN or infinity")
+    except (Refused, SafetensorError) as error:
+        raise refused(path, card, error) from error
+    return arrays, card
 
 
-def refused(path: Path, card: Card, reason: object) -> ValueError:
-    """Error of weights that cannot be used; only the first line of the reason is told."""
-    what = f"weights of {card.model} in {path} that fit their card"
-    told = str(reason).partition("\n")[0]
-    return ValueError(
-        f"Expected {what}, got others ({told}). Fetch or train them again."
-    )
+def refused(path: Path, card: Card, error: Exception) -> ValueError:
+    """Error of weights that cannot be used, with its reason."""
+    what = f"finite weights of {card.model} in {path} that fit their card"
+    got = f"got others ({str(error).splitlines()[0]}). Fetch or train them again."
+    return ValueError(f"Expected {what}, {got}")
 
 
 def load_weights(path: Path) -> Trained:
     """Network of torch, to go on training; a ValueError if its file or card cannot be used."""
     import torch
 
-    from cmtof.network.models import build_network
+    from cmtof.network.models import MODELS, build_network
 
     arrays, card = read_weights(path)
-    tensors = {name: torch.from_numpy(x) for name, x in arrays.items()}
     try:
+        if card.model not in MODELS:
+            raise Refused("no such model")
         network = build_network(card.model, card.protocol)
-        network.load_state_dict(tensors)
-    except (KeyError, RuntimeError) as error:
+        network.load_state_dict(
+            {name: torch.from_numpy(x) for name, x in arrays.items()}
+        )
+    except RuntimeError as error:
         raise refused(path, card, error) from error
     return Trained(network.eval(), card)
