@@ -16,6 +16,8 @@ import grimp
 import yaml
 
 import cmtof
+from cmtof.captures import data_root
+from cmtof.files import read_document
 from cmtof_book import RESULTS, ROOT, Values
 
 PACKAGES = ("cmtof", "cmtof_rooms", "cmtof_lab", "cmtof_book", "notebooks")
@@ -65,9 +67,17 @@ def notebooks() -> list[str]:
 
 
 def inputs(stem: str) -> list[str]:
-    """Every file that a notebook reaches, and all stored results; measured data are left out."""
-    stored = filter(Path.is_file, RESULTS.rglob("*"))
-    return sorted(map(os.path.relpath, closure(f"notebooks.{stem}").union(stored)))
+    """Every file that a notebook reaches or reads.
+
+    ``configs/inputs.yml`` names what it reads beside the packages; data are optional.
+    """
+    declared = read_document(ROOT / "configs" / "inputs.yml").get(stem, {})
+    read = [RESULTS / name for name in declared.get("results", ())]
+    if base := data_root():
+        for word in declared.get("data", ()):
+            read += Path(base, word).rglob("*")
+    found = closure(f"notebooks.{stem}").union(filter(Path.is_file, read))
+    return sorted(map(os.path.relpath, found))
 
 
 def tool(name: str) -> list[str]:
