@@ -247,11 +247,15 @@ def save(
     ``figNN_topic`` with the paper's number, or ``topic_name``; ``numbers`` are finite scalars and
     short lists that others use: tests compare those with a kind (`cmtof_book.compared`);
     ``caption`` is in MyST Markdown. A ``folded`` figure is shown on demand. Raises ValueError if
-    one of the numbers cannot be used, or text would be too small on a page.
+    the name or one of the numbers cannot be used, or text would be too small on a page.
     """
     if (smallest := smallest_text(fig)) < LEGIBLE:
         raise ValueError(
             f"Expected text of {LEGIBLE} px, got {smallest:.1f}. Narrow {name}."
+        )
+    if not re.fullmatch(r"[a-z][a-z0-9]*(_[a-z0-9]+)+", name):
+        raise ValueError(
+            f"Expected a stem like fig03_precision, got {name!r}. Use underscores."
         )
     target = provenance.output_folder() / f"{name}.{format}"
     words = {"caption": caption, "alt": alt}

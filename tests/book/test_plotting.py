@@ -62,6 +62,7 @@ def test_json_holds_numbers_texts_and_provenance(folder):
 @mark.parametrize(
     "changes",
     [
+        {"name": "Fig 3"},
         {"numbers": {"x": float("nan")}},
         {"numbers": {"x": object()}},
         {"size": (14, 4)},  # text too small on a page
