@@ -112,7 +112,7 @@ scan --twin --scene f.npz --size 2 -o out.nc"""
 
 def strangely_filled(rng, data):
     """A measurement with strange variables or attributes."""
-    match rng.randrange(4):
+    match rng.randrange(6):
         case 0:
             array = strange_array(rng)
             name = rng.choice([*data.variables, "mask", "depth", "camera", "phase"])
@@ -121,12 +121,17 @@ def strangely_filled(rng, data):
                 with contextlib.suppress(ValueError):  # a dimension is no scalar
                     data = data.drop_vars("psi").assign({name: (dimensions, array)})
         case 1:
-            name = rng.choice(["range_min", "range_max", "saturation", "protocol"])
-            data.attrs[name] = rng.choice([np.nan, -1.0, 0.0, 1e30, "x", [1, 2]])
+            end = rng.choice(["range_min", "range_max"])
+            data.attrs[end] = rng.choice([np.nan, np.inf, -1.0, 0.0, 1e6, 1e30])
         case 2:
             tone = rng.choice([1e15, 1e300, 1e-300, -1.0, np.nan, 7.15e9])
             data = data.assign_coords(frequency=[7.15e9, tone])
         case 3:
+            data["mask"] = (("y", "x"), np.zeros((6, 8), bool))
+        case 4:
+            data.attrs["saturation"] = rng.choice([np.nan, "x", [1, 2], -1.0])
+            data.attrs["protocol"] = rng.choice(["full", "x", 3, [1, 2]])
+        case 5:
             data["correlation"] *= rng.choice([np.nan, -1.0, 1e30, 0.0])
     return data
 
@@ -261,14 +266,19 @@ def rig(rng):
 def journal(rng):
     """A scan that was begun, whose journal was damaged or made up."""
     lines = whole_journal().splitlines(keepends=True)
-    number = rng.randrange(len(lines))
-    held = json.loads(lines[number][9:])
-    held[rng.choice(list(held))] = strange_value(rng)
-    content = rng.choice([b"[" * 5000, *[json.dumps(held, default=str).encode()] * 19])
-    lines[number] = b"%08x %s\n" % (zlib.crc32(content), content)
-    data = b"".join(lines)
     if rng.random() < 0.4:
-        data = damaged(rng, data)
+        data = damaged(rng, b"".join(lines))
+    else:
+        number = rng.randrange(len(lines))
+        held = json.loads(lines[number][9:])
+        name = rng.choice(list(held))
+        held[name] = strange_value(rng)
+        if rng.random() < 0.2:
+            del held[name]
+        content = json.dumps(held, default=str).encode()
+        content = rng.choice([b"[" * 5000, *[content] * 19])
+        lines[number] = b"%08x %s\n" % (zlib.crc32(content), content)
+        data = b"".join(lines + lines[1:] * rng.randrange(2))
     resume = rng.choice(["", *["--resume"] * 9])
     return {"out.nc.journal": data}, f"scan --twin --size 2 -o out.nc {resume}".split()
 
