@@ -112,6 +112,8 @@ def faults_of_folder(code, folder, files):
 
 def loaded():
     """Import what cases need, and compile, once for all of them."""
+    # a fork does not copy threads, and would wait for them
+    os.environ |= {"OMP_NUM_THREADS": "1", "NUMBA_NUM_THREADS": "1"}
     from cmtof.measurement import Measurement
     from cmtof.methods import METHODS
     from cmtof.unwrapping import unwrap
@@ -130,7 +132,6 @@ def loaded():
 
 def main(count, first=0):
     """Run cases, write the report, and return the exit code."""
-    os.environ |= {"OMP_NUM_THREADS": "1", "NUMBA_NUM_THREADS": "1"}
     loaded()
     failures = json.loads(REPORT.read_text("utf-8"))["failures"] if first else []
     for case in range(first, first + count):

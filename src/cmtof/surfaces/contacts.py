@@ -160,8 +160,8 @@ def tied(
     What is known from elsewhere counts, too: ``told`` returns log-odds of offsets (N, M), wraps.
     They lie within ``limits`` (2, N), wraps; beats repeat after ``repeat`` wraps. The message from
     surface a to b is ``log r_b(m + step) = L log(P q_a(m) + (1 - P) / M)``, where q_a are the
-    probabilities at a without the message from b, P those that both meet, M the number of offsets,
-    and L < 1, since the same evidence comes back around loops.
+    probabilities at a without the message from b, P those that both meet, times `_agreement`, M the
+    number of offsets, and L < 1, since the same evidence comes back around loops.
     """
     base, alone = _own_odds(found, limits, repeat)
     offsets = np.arange(-_FARTHEST, _FARTHEST + 1)
@@ -171,8 +171,7 @@ def tied(
     target = np.append(borders.second, borders.first)
     step = np.append(borders.step, -borders.step)[:, None] + base[source] - base[target]
     place = np.clip(offsets + _FARTHEST - step, -1, offsets.size) + 1
-    odds = np.tile(borders.odds, 2) * _agreement(alone, source, target, place)
-    belief = _propagate(alone, source, target, place, odds)
+    belief = _propagate(alone, source, target, place, np.tile(borders.odds, 2))
     share = softmax(belief, axis=1)
     alike = Tied(base[:, 0].astype(float), np.zeros(0, int), share).moved(share)
     return alike._replace(group=groups(alike.wraps, borders))
@@ -194,18 +193,18 @@ def _own_odds(found: Offsets, limits: Array, repeat: float) -> tuple[Numbers, Ar
 
 
 def _agreement(alone: Array, source: Numbers, target: Numbers, place: Numbers) -> Array:
-    """Factor (2 B,) of the probability that surfaces meet: below one if their offsets forbid it.
+    """Factor (2 B,) of the odds of a border; near zero for a step that its surfaces contradict.
 
-    It is how much likelier their own offsets make the step of the border than any other.
+    It is the probability of the step by their own offsets, over that of a random one; one at most.
     """
     share = softmax(alone, axis=1)
-    there = np.take_along_axis(_beyond(share)[source], place, axis=1)
-    likelier = alone.shape[1] * np.sum(there * share[target], axis=1)
-    return np.minimum(likelier, 1)
+    there = np.take_along_axis(_padded(share)[source], place, axis=1)
+    both = np.sum(there * share[target], axis=1)
+    return np.minimum(alone.shape[1] * both, 1)
 
 
-def _beyond(share: Array) -> Array:
-    """Probabilities (N, M + 2) of offsets, and none beyond the first and the last."""
+def _padded(share: Array) -> Array:
+    """Probabilities (N, M + 2) of offsets, zero beyond the first and the last."""
     return np.pad(share, ((0, 0), (1, 1)))
 
 
@@ -217,12 +216,13 @@ def _propagate(
     An offset of the target is at a ``place`` (2 B, M) of the source's, from 1 on.
     """
     count = alone.shape[1]
-    meets = odds[:, None]
+    agreement = _agreement(alone, source, target, place)
+    meets = (odds * agreement)[:, None]
     message = np.zeros(place.shape)
     belief = alone
     for _ in range(_ROUNDS):
         back = np.roll(message, len(source) // 2, axis=0)  # the message the other way
-        told = _beyond(softmax(belief[source] - back, axis=1))
+        told = _padded(softmax(belief[source] - back, axis=1))
         told = np.take_along_axis(told, place, axis=1)
         new = _LOOP * np.log(meets * told + (1 - meets) / count)
         new -= new.max(axis=1, keepdims=True)
