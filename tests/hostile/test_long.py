@@ -69,12 +69,12 @@ def start(name, path, resume=False):
 
 
 def contents(path):
-    """Bytes by name, but of what holds the minutes that a training took."""
+    """Bytes by name, but of what holds the minutes of a training, and of what a kill cut short."""
     timed = {path / "run/last.ckpt", path / "run/fast-scnn-light.released.json"}
     return {
         one.relative_to(path): b"" if one in timed else one.read_bytes()
         for one in path.rglob("*")
-        if one.is_file()
+        if one.is_file() and ".part-" not in one.name
     }
 
 
