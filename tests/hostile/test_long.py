@@ -73,8 +73,8 @@ def contents(path):
     timed = {path / "run/last.ckpt", path / "run/fast-scnn-light.released.json"}
     return {
         one.relative_to(path): b"" if one in timed else one.read_bytes()
-        for one in path.rglob("*")
-        if one.is_file() and ".part-" not in one.name
+        for one in path.rglob("[!.]*")
+        if one.is_file()
     }
 
 
