@@ -218,7 +218,7 @@ show(SMALL)
 show(FULL)
 
 # %% [markdown]
-# At the paper's image size only `fast-scnn` was counted in it:
+# In this protocol only `fast-scnn` was counted at the paper's image size:
 
 # %% tags=["hide-input"]
 show(FAR)

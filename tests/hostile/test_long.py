@@ -68,13 +68,13 @@ def start(name, path, resume=False):
     return end
 
 
-def contents(path):
-    """Bytes by name, but of what holds the minutes of a training, and of what a kill cut short."""
+def contents(path, lost=()):
+    """Bytes by name, but of files that are lost, and of what holds the minutes of a training."""
     timed = {path / "run/last.ckpt", path / "run/fast-scnn-light.released.json"}
     return {
         one.relative_to(path): b"" if one in timed else one.read_bytes()
-        for one in path.rglob("[!.]*")
-        if one.is_file()
+        for one in path.rglob("*")
+        if one.is_file() and one not in lost
     }
 
 
@@ -99,13 +99,13 @@ def test_killed_at_any_moment_it_resumes_to_equal_bytes(folder, name, kill):
     for moment in map(str, range(MOMENTS)):
         path = folder(moment)
         code, lines = start(name, path)(number, rng.uniform(0, took))
-        assert code in (0, -number, 128 + number), moment
-        if kill != "SIGKILL":
-            assert len(lines) < 2, (moment, lines)
-            assert not list(path.rglob(".*.part-*")), moment
+        assert code in (0, -number, 128 + number)
+        # a kill in the middle of writing leaves a part, which later runs clear after minutes
+        lost = {*path.rglob(".*.part-*")}
+        assert kill == "SIGKILL" or not (lines[1:] or lost)
         cut += code != 0
-        assert start(name, path, resume=True)() == (0, []), moment
-        assert contents(path) == contents(whole), moment
+        assert start(name, path, resume=True)() == (0, [])
+        assert contents(path, lost) == contents(whole), moment
     assert cut
 
 
@@ -159,8 +159,8 @@ def test_a_full_disk_is_one_line_and_the_run_goes_on(resized, folder, name):
         if code == 0:
             break
         full += 1
-        assert (code, len(lines)) == (1, 1), (room, lines)
-        assert "No space left" in lines[0], room
+        assert (code, len(lines)) == (1, 1), lines
+        assert "No space left" in lines[0]
         assert not list(disk.rglob(".*.part-*")), room
         assert name in ("render", "scan", "train") or contents(disk) == inputs
     assert full

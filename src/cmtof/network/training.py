@@ -127,7 +127,7 @@ class Unwrapping(LightningModule):
         start = self.current_epoch * self.config.save_every
         block = range(start, min(start + self.config.save_every, self.config.steps))
         return DataLoader(
-            steps, None, sampler=block, num_workers=16 * torch.cuda.is_available()
+            steps, None, sampler=block, num_workers=8 * torch.cuda.is_available()
         )
 
     def measured(self, batch: Batch) -> Sample:
