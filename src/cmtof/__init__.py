@@ -1,4 +1,4 @@
-"""Centimetre-wave free-space time-of-flight imaging, rebuilt from the light up.
+"""Centimetre-wave free-space time-of-flight imaging: simulation, measurement, unwrapping.
 
 The most used functions are at the top level::
 

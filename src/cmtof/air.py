@@ -1,4 +1,4 @@
-"""Air: how much slower it is for the modulation of light than vacuum."""
+"""Group index of air: how much slower modulated light travels in it than in vacuum."""
 
 from cmtof.constants import LASER_WAVELENGTH
 
@@ -12,7 +12,7 @@ def group_index(
     temperature: float = 293.15,
     pressure: float = STANDARD_PRESSURE,
 ) -> float:
-    """Group index of dry air, ``n_g = n - lambda dn/dlambda``; m, K and Pa; 0 Pa is vacuum.
+    """Group index of dry air, ``n_g = n - lambda dn/dlambda``, from m, K and Pa; 1 at 0 Pa.
 
     Standard air of P. E. Ciddor, Appl. Opt. 35, 1566 (1996), eq. 1, scaled as an ideal gas.
     Vapour changes it by less than 5e-7 and is left out.

@@ -1,4 +1,4 @@
-"""Limits by noise: Cramer-Rao bounds, the law of a noisy phase, the odds of one pixel.
+"""Limits set by noise: Cramer-Rao bounds, phase distributions, probabilities of the right wrap.
 
 The phase of a correlation is the angle of a phasor with Gaussian noise. Where that noise is small
 the angle is Gaussian too, and the bound is met; where it is not, the angle follows the exact law
@@ -50,7 +50,7 @@ def phase_bound(
     sigma: float,
     phase: ArrayLike = 0.0,
 ) -> Array:
-    """Cramer-Rao bound on the phase, amplitude and offset unknown: least standard deviation, rad.
+    """Cramer-Rao bound: least standard deviation of the phase, rad; amplitude and offset unknown.
 
     Parameters and shapes as in `fisher_information`.
 
@@ -65,7 +65,7 @@ def phase_bound(
 
 
 def linear_phase_noise(amplitude: ArrayLike, variance: ArrayLike, steps: int) -> Array:
-    """Phase noise ``sqrt(2 v / K) / a`` of K uniform steps of equal variance v, rad."""
+    """Standard deviation of the phase, rad: ``sqrt(2 v / K) / a`` of K steps of variance v."""
     return np.sqrt(2 * np.asarray(variance) / steps) / np.asarray(amplitude)
 
 
@@ -74,9 +74,11 @@ def simulated_phase_noise(
     *,
     sigma: float = NOISE_SIGMA,
 ) -> Array:
-    """`linear_phase_noise`, rad, of a pixel that `cmtof.simulation.simulate` measures (Eq. 8).
+    """Standard deviation of a simulated pixel's phase, rad, from its brightness I (Eq. 8).
 
-    Its signal G T I swings by 1/pi of itself about its half, whose photons add to sigma, counts.
+    It is `linear_phase_noise` with the amplitude ``G T I / pi`` and the variance of photon and
+    Gaussian noise, ``G T I / 2 + sigma^2``, as `cmtof.simulation.simulate` draws them; sigma is in
+    counts.
 
     >>> round(float(simulated_phase_noise(1.0)), 3)
     0.134
@@ -102,7 +104,7 @@ def phase_density(error: ArrayLike, linear_noise: float) -> Array:
 
 
 def phase_spread(linear_noise: float) -> float:
-    """Standard deviation of the wrapped phase error by the exact law, rad.
+    """Standard deviation of the wrapped phase error, rad, by the exact `phase_density`.
 
     A pixel of brightness 0.3 spreads 18 % further than the linear formula says:
 
@@ -144,7 +146,7 @@ def wrap_noise(
 def wrap_probability(
     noise_low: ArrayLike, noise_high: ArrayLike, *, frequencies: Pair
 ) -> Array:
-    """Odds that one pixel's beat gives the right wrap, ``erf(1 / (2 sqrt2 sigma_n))``.
+    """Probability that one pixel's beat gives the right wrap, ``erf(1 / (2 sqrt2 sigma_n))``.
 
     >>> p = wrap_probability(0.1336, 0.1336, frequencies=(7.15e9, 14.32e9))
     >>> f"{p:.1%}"
@@ -154,7 +156,7 @@ def wrap_probability(
 
 
 def rounding_odds(spread: ArrayLike) -> Array:
-    """Odds that an error of this standard deviation, wraps, stays below half a wrap."""
+    """Probability that a Gaussian error of this standard deviation, wraps, is below half a wrap."""
     with np.errstate(divide="ignore"):  # without noise the odds are 1
         return special.erf(1 / (2 * np.sqrt(2) * np.asarray(spread)))
 
@@ -162,7 +164,7 @@ def rounding_odds(spread: ArrayLike) -> Array:
 def wrap_probability_law(
     linear_low: float, linear_high: float, *, frequencies: Pair
 ) -> float:
-    r"""Odds of `wrap_probability` by the exact law of noisy phases, for noise beyond the small.
+    r"""Probability that one pixel's beat gives the right wrap, exact also for large noise.
 
     .. math:: P = \int p_1(\epsilon_1) \int_{|b f_1/\Delta - \epsilon_1| < \pi}
               p_2(k\epsilon_1 + b)\,db\,d\epsilon_1
@@ -200,7 +202,9 @@ def pixels_needed(
     frequencies: Pair,
     odds: float = 0.95,
 ) -> int:
-    """Pixels to average coherently, their relative depth known, for the given odds of the wrap.
+    """Number of pixels to average so that the wrap is right with the probability ``odds``.
+
+    Their phasors are summed, after each was turned back by its known depth relative to the others.
 
     >>> pixels_needed(0.1336, 0.1336, frequencies=(7.15e9, 14.32e9))
     4450

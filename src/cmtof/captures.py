@@ -18,7 +18,7 @@ from cmtof.types import Array
 
 
 def data_root() -> Path | None:
-    """Data folder by ``CMTOF_DATA``, else ``../shared/data`` or ``data`` of the checkout."""
+    """Data folder: ``CMTOF_DATA``, else ``../shared/data`` or ``data`` of the checkout, or None."""
     checkout = Path(__file__).parents[2]
     named = os.environ.get("CMTOF_DATA")
     places = (
@@ -30,7 +30,7 @@ def data_root() -> Path | None:
 
 
 def published_captures() -> dict[str, Path]:
-    """Names and phase files of the captures on this machine; empty where there are none."""
+    """Phase files of the captures on this machine, by name; empty where there are none."""
     root = data_root()
     files = sorted(root.glob("captures/phase/scene_*_phase.csv")) if root else []
     return {
@@ -56,20 +56,22 @@ def read_capture(path: AnyPath) -> tuple[Array, Array | None]:
         if depth.shape != phase.shape:
             raise ValueError(
                 f"Expected a reference depth of shape {phase.shape}, got {depth.shape} in {other}. "
-                "Take the one of the same scene."
+                "Use the file of the same scene."
             )
     return phase if least >= 0 else wrapped(phase), depth
 
 
 def _read_map(path: Path) -> Array:
-    """A rectangular table of finite numbers, (H, W)."""
+    """Finite numbers (H, W) of a CSV file; a ValueError if there are others."""
     try:
         with warnings.catch_warnings(
             action="ignore"
-        ):  # of no data: the error below names it
+        ):  # NumPy warns of an empty file: the error below names it
             table = np.loadtxt(path, delimiter=",", ndmin=2)
         if table.size == 0 or not np.isfinite(table).all():
             raise ValueError("NaN or inf" if table.size else "none")
     except ValueError as error:
-        raise broken("rows of finite numbers parted by commas", path, error) from error
+        raise broken(
+            "rows of finite numbers separated by commas", path, error
+        ) from error
     return table

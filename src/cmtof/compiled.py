@@ -1,4 +1,4 @@
-"""Numba's compiler, also where no folder can keep what it compiled."""
+"""Compilation by Numba, cached on disk where a folder can be written."""
 
 import warnings
 from collections.abc import Callable
@@ -9,7 +9,7 @@ import numba
 
 
 def njit(**options: Any) -> Callable[[Callable], Any]:
-    """Decorator like ``numba.njit`` that goes on without the cache where nothing can be written.
+    """Decorator like ``numba.njit`` that works without the cache where it cannot be written.
 
     Loops let other threads run, and divide by zero as NumPy does. Numba keeps what it compiled
     beside the module or in the user's cache folder. An installation that is read-only and a user
@@ -24,35 +24,35 @@ def njit(**options: Any) -> Callable[[Callable], Any]:
         except RuntimeError as error:
             if "cannot cache" not in str(error):
                 raise
-            _say_uncached()
+            _warn_uncached()
             return numba.njit(**options)(function)
         if cache := getattr(
             found, "_cache", None
         ):  # none while compilation is switched off
-            cache.save_overload = partial(_saved_if_possible, cache.save_overload)
+            cache.save_overload = partial(_save_if_possible, cache.save_overload)
         return found
 
     return compiled
 
 
-def _saved_if_possible(save: Callable, *what: Any) -> None:
-    """Save what was compiled unless the disk is full."""
+def _save_if_possible(save: Callable, *what: Any) -> None:
+    """Write compiled code to the cache, or warn if that fails, as on a full disk."""
     try:
         save(*what)
     except OSError:
-        _say_uncached()
+        _warn_uncached()
 
 
-_said = False
+_warned = False
 
 
-def _say_uncached() -> None:
-    """Warn once a process."""
-    global _said
-    if not _said:
+def _warn_uncached() -> None:
+    """Warn once per process that compiled code cannot be cached."""
+    global _warned
+    if not _warned:
         warnings.warn(
-            "Expected a folder that keeps compiled code, got none that can be written: "
+            "Expected a folder to cache compiled code in, got none that can be written: "
             "every run compiles again. Set NUMBA_CACHE_DIR.",
             stacklevel=4,
         )
-    _said = True
+    _warned = True

@@ -1,4 +1,4 @@
-"""What a measurement must be: names, units, kinds and values, checked once, where data enter."""
+"""Format of a measurement (names, units, dimensions, values), checked once, where data enter."""
 
 from typing import NamedTuple
 
@@ -12,7 +12,7 @@ from cmtof.validation import checked_camera, checked_frequencies, numbers
 
 
 class Kind(NamedTuple):
-    """Unit and dimensions of a variable; any dimensions where they are None."""
+    """Unit and dimensions of a variable; None allows any dimensions."""
 
     unit: str
     dims: tuple[str, ...] | None
@@ -62,7 +62,7 @@ _NOT_WRITTEN = 9.9e36
 
 
 def unambiguous_range(frequencies: ArrayLike) -> float:
-    """Range within which the phases of the first two frequencies do not repeat, in noise, m.
+    """Range, m, over which the beat of the first two frequencies does not repeat.
 
     The beat's ``c / 2 |f2 - k f1|`` with ``k = round(f2 / f1)``, 7.495 m for the prototype; a
     single wrap of one frequency, or of two of which one is a multiple of the other.
@@ -73,7 +73,7 @@ def unambiguous_range(frequencies: ArrayLike) -> float:
 
 
 def admitted(dataset: Dataset) -> Dataset:
-    """The dataset in SI units and floats, NaN where masked; a ValueError says what is wrong."""
+    """The checked dataset: SI units, floats, NaN where masked; a ValueError says what is wrong."""
     data = in_si_units(structured(dataset))
     frequencies = checked_frequencies(data["frequency"].to_numpy())
     data = data.assign_coords(frequency=data["frequency"].copy(data=frequencies))
@@ -89,7 +89,7 @@ def admitted(dataset: Dataset) -> Dataset:
 
 
 def structured(dataset: Dataset) -> Dataset:
-    """The dataset with its coordinates declared; a ValueError for what is missing or misshapen."""
+    """The dataset with frequency and psi as coordinates; a ValueError if a variable is missing."""
     main = "correlation" if "correlation" in dataset else "phase"
     if main not in dataset:
         raise ValueError(
@@ -109,43 +109,47 @@ def structured(dataset: Dataset) -> Dataset:
     return dataset.set_coords(needed)
 
 
-def _check_kind(name: str, found: DataArray) -> None:
-    """Raise a ValueError unless a variable holds numbers on its dimensions."""
-    if found.dtype.kind not in "biuf":
+def _check_kind(name: str, variable: DataArray) -> None:
+    """Raise a ValueError unless a variable holds numbers on the dimensions of `VARIABLES`."""
+    if variable.dtype.kind not in "biuf":
         raise ValueError(
-            f"Expected numbers as {name}, got type {found.dtype}. Store floats."
+            f"Expected numbers as {name}, got type {variable.dtype}. Store floats."
         )
-    dims = VARIABLES[name].dims or found.dims
-    if not found.size or found.dims != dims:
+    dims = VARIABLES[name].dims or variable.dims
+    if not variable.size or variable.dims != dims:
         raise ValueError(
-            f"Expected {name} with dimensions {dims}, none of them empty, got {dict(found.sizes)}. "
-            "Transpose or rename them."
+            f"Expected {name} with dimensions {dims}, none of them empty, "
+            f"got {dict(variable.sizes)}. Transpose or rename them."
         )
 
 
 def in_si_units(dataset: Dataset) -> Dataset:
-    """The dataset with every variable in the unit of `VARIABLES`, by what each states itself."""
+    """The dataset in the units of `VARIABLES`, converted from the ``units`` attributes."""
     data = dataset.copy()
     for name in VARIABLES.keys() & set(data.variables):
         unit = VARIABLES[name].unit
-        found = data[name]
-        stated = str(found.attrs.get("units", unit)).strip()
+        variable = data[name]
+        stated = str(variable.attrs.get("units", unit)).strip()
         if unit in UNITS:
             factor = UNITS[unit].get(stated)
             if factor is None:
                 known = ", ".join(filter(str.isalpha, UNITS[unit]))
                 raise ValueError(
-                    f"Expected {name} in {known}, got units '{stated}'. Convert it."
+                    f"Expected {name} in {known}, got units '{stated}'. Convert the values."
                 )
             if factor != 1:
-                data[name] = (found.dims, found.to_numpy() * factor, found.attrs)
+                data[name] = (
+                    variable.dims,
+                    variable.to_numpy() * factor,
+                    variable.attrs,
+                )
             stated = unit
         data[name].attrs["units"] = stated
     return data
 
 
 def _check_range(dataset: Dataset) -> None:
-    """Raise a ValueError unless the depths to choose from are a range of not too many wraps."""
+    """Raise a ValueError unless range_min < range_max, within `MOST_WRAPS` wraps."""
     ends = [dataset.attrs[key] for key in ("range_min", "range_max")]
     plain = all(
         np.size(end) == 1 and np.asarray(end).dtype.kind in "iuf" for end in ends
@@ -165,7 +169,7 @@ def _check_range(dataset: Dataset) -> None:
 
 
 def _with_valid_values(data: Dataset) -> Dataset:
-    """The dataset with floats as samples, finite where valid and NaN where masked."""
+    """The dataset with float samples, NaN where masked; a ValueError for invalid samples."""
     valid = np.True_
     if "mask" in data:
         # a fill value arrives as NaN, and means that nobody called the pixel valid
@@ -174,36 +178,40 @@ def _with_valid_values(data: Dataset) -> Dataset:
     simulated = data.attrs.get("source") == "simulation"
     for name in ("correlation", "phase", "amplitude"):
         if name in data:
-            found = data[name]
+            variable = data[name]
             # the smallest floats, of 32 bits at least, that hold them exactly
-            floats = found.to_numpy().astype(
-                np.result_type(found.dtype, np.float32), copy=False
+            floats = variable.to_numpy().astype(
+                np.result_type(variable.dtype, np.float32), copy=False
             )
-            samples = _hidden(floats, valid, simulated)
+            samples = _mask_samples(floats, valid, simulated)
             if name != "amplitude":
-                _refuse(
+                _raise_if_any(
                     ~np.isfinite(samples) & valid,
                     f"finite {name}",
                     "Mask those pixels.",
                 )
             samples = wrapped(samples) if name == "phase" else samples
-            data[name] = (found.dims, samples, found.attrs)
+            data[name] = (variable.dims, samples, variable.attrs)
     if "raw_counts" in data:
         negative = (data["raw_counts"].to_numpy() < 0) & valid
-        _refuse(negative, "raw_counts >= 0", "Check the sign of the read-out.")
+        _raise_if_any(negative, "raw_counts >= 0", "Check the sign of the read-out.")
     if (limit := data.attrs.get("saturation")) is not None and "correlation" in data:
-        most = float(np.min(numbers(limit, "the attribute saturation"), initial=np.inf))
+        saturation = float(
+            np.min(numbers(limit, "the attribute saturation"), initial=np.inf)
+        )
         counts = data.get("raw_counts", data["correlation"]).to_numpy()
-        what = f"counts below the saturation {most:g}"
-        _refuse((counts >= most) & valid, what, "Lower gain or exposure, or mask.")
+        what = f"counts below the saturation {saturation:g}"
+        _raise_if_any(
+            (counts >= saturation) & valid, what, "Lower gain or exposure, or mask."
+        )
     return data
 
 
-def _hidden(samples: Array, valid: Flags, simulated: bool) -> Array:
-    """Samples (..., H, W) with NaN in masked pixels and in those that were never written.
+def _mask_samples(samples: Array, valid: Flags, simulated: bool) -> Array:
+    """Samples (..., H, W) with NaN in masked pixels and where the file was never written.
 
-    The simulator masks what it does not score, which was measured like the rest: there a masked
-    pixel keeps samples unless they are more than twice as large as any valid one.
+    The simulator masks pixels that are not scored, although it measured them like the others. In
+    its files a masked pixel keeps its samples, unless they exceed twice the largest valid one.
     """
     with np.errstate(invalid="ignore"):
         unknown = ~valid | (np.abs(samples) >= _NOT_WRITTEN)
@@ -215,7 +223,7 @@ def _hidden(samples: Array, valid: Flags, simulated: bool) -> Array:
     return np.where(unknown, np.float32(np.nan), samples)
 
 
-def _refuse(bad: Flags, what: str, advice: str) -> None:
-    """Raise a ValueError with the number of bad samples, if there is one."""
+def _raise_if_any(bad: Flags, what: str, advice: str) -> None:
+    """Raise a ValueError with the number of bad samples, if there are any."""
     if amount := int(bad.sum()):
         raise ValueError(f"Expected {what}, got {amount} others. {advice}")

@@ -84,7 +84,7 @@ def correlation_contrast(emitted: ArrayLike, reference: ArrayLike) -> float:
 
 
 class Decoded(NamedTuple):
-    """Offset, amplitude and phase of ``C = offset + amplitude cos(phase + psi)``."""
+    """Phase, amplitude and offset of ``C = offset + amplitude cos(phase + psi)``."""
 
     # Wrapped phase in [0, 2 pi), rad.
     phase: Array
@@ -117,8 +117,8 @@ def check_psi(psi: Array) -> None:
         raise ValueError(
             "Expected finite reference phases psi, got NaN or inf. State every psi."
         )
-    turns = np.exp(1j * psi)
-    gaps = np.abs(turns[:, None] - turns[None, :])[np.triu_indices(psi.size, 1)]
+    phasors = np.exp(1j * psi)
+    gaps = np.abs(phasors[:, None] - phasors[None, :])[np.triu_indices(psi.size, 1)]
     if gaps.min() < 1e-6:
         raise ValueError(
             "Expected distinct reference phases psi modulo 2 pi, "
@@ -175,7 +175,7 @@ def phase_from_correlation(correlation: ArrayLike, psi: ArrayLike) -> Array:
 
 
 def residual_noise(correlation: ArrayLike, psi: ArrayLike) -> float:
-    """Standard deviation of one sample's noise, counts, from the residual of the fit.
+    """Standard deviation of the noise of one sample, counts, from the residual of the fit.
 
     The median absolute residual of all pixels, scaled to a Gaussian: a typical pixel's noise.
     Correlations (K, ...) of many pixels at more than three phases ``psi`` (K,), rad: three are
@@ -188,13 +188,15 @@ def residual_noise(correlation: ArrayLike, psi: ArrayLike) -> float:
             "Record more steps."
         )
     fit = np.stack([np.ones_like(psi), np.cos(psi), np.sin(psi)])
-    null = np.linalg.svd(fit)[2][
+    residual_basis = np.linalg.svd(fit)[2][
         3:
     ]  # orthonormal directions that the fit does not reach
     images = np.asarray(correlation).reshape(psi.size, -1)
     images = images[:, :: max(1, images.shape[1] // 65536)]  # a sample suffices
     images = images.astype(np.result_type(images.dtype, np.float32), copy=False)
-    return float(1.4826 * np.median(np.abs(null.astype(images.dtype) @ images)))
+    return float(
+        1.4826 * np.median(np.abs(residual_basis.astype(images.dtype) @ images))
+    )
 
 
 # --- phase <-> depth and wraps -----------------------------------------------------------------
@@ -207,7 +209,7 @@ def wrapped(phase: ArrayLike) -> Array:
 
 
 def centred(phase: ArrayLike) -> Array:
-    """Phase modulo 2 pi in [-pi, pi), rad: the smallest of equivalent differences."""
+    """Phase modulo 2 pi in [-pi, pi), rad, for differences of phases."""
     return wrapped(np.asarray(phase) + np.pi) - np.pi
 
 

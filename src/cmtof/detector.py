@@ -83,7 +83,7 @@ def skellam_gaussian(
 
 
 def quantise(signal: ArrayLike, *, bits: int, full_scale: float) -> Array:
-    """Levels of an N-bit ADC, Q of Eq. 20; what exceeds its scale saturates.
+    """Signal rounded to the levels of an N-bit ADC, Q of Eq. 20; beyond its scale it saturates.
 
     ``2^bits`` levels from 0 to ``full_scale``, which has the unit of the signal.
 

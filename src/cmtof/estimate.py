@@ -1,4 +1,4 @@
-"""What every unwrapping method returns, and what all of them ask of a measurement."""
+"""The result of an unwrapping method, and quantities of a measurement that methods share."""
 
 from typing import NamedTuple
 
@@ -25,14 +25,14 @@ _LEAST = 0.02  # noise, rad, up to which depth may have done it
 
 
 class Components(NamedTuple):
-    """Connected components: pixels that share one offset, which may be wrong for all of them."""
+    """Components of pixels that share one offset, and probabilities of errors of it, in wraps."""
 
     label: Numbers  # component of each pixel (H, W), from 1 on, the largest first; 0 for none
     odds: Array  # probability (C, M) of each to lie (1 - M) / 2 to (M - 1) / 2 wraps farther away
 
 
 class Estimate(NamedTuple):
-    """The answer of a method."""
+    """Depth and confidence that an unwrapping method returns."""
 
     depth: Array  # best depth (H, W), m; it need not agree with the measured phase
     confidence: Array  # probability in [0, 1] that the wrap is right (H, W)
@@ -47,23 +47,23 @@ def wraps_in_range(measurement: Measurement) -> tuple[int, int]:
 
 
 def sets_of_wraps(confidence: Array, measurement: Measurement) -> dict[str, Array]:
-    """How far, in wraps, the true ones lie off at most in 90 and 95 % of the pixels of a room."""
+    """Half-widths (H, W), wraps, of intervals that hold the true wrap in 90 and 95 % of pixels."""
     first, last = wraps_in_range(measurement)
-    against = (1 - confidence) / np.maximum(confidence, 1e-6)
+    odds_against = (1 - confidence) / np.maximum(confidence, 1e-6)
     return {
-        name: np.minimum(factor * against, last - first)
-        for name, factor in SETS.items()
+        name: np.minimum(width * odds_against, last - first)
+        for name, width in SETS.items()
     }
 
 
 def guess(measurement: Measurement) -> Array:
-    """Odds (H, W) of a guess among the wraps in range."""
+    """Probability (H, W) that a wrap guessed at random within the range is right."""
     first, last = wraps_in_range(measurement)
     return np.full(measurement.shape, 1 / (last - first + 1))
 
 
 def beat_repeats(measurement: Measurement) -> float:
-    """How often the beat of the first two frequencies repeats within the range, once at least."""
+    """Range over the unambiguous range of the first two frequencies, 1 at least."""
     low, high = measurement.range
     return max(1.0, (high - low) / unambiguous_range(measurement.frequencies))
 
@@ -75,7 +75,7 @@ def within_range(depth: Array, measurement: Measurement) -> Array:
 
 
 def nearest(wanted: Flags) -> tuple[Numbers, Numbers]:
-    """Row and column (H, W) of the wanted pixel nearest to each; its own if none is wanted."""
+    """Row and column (H, W) of the nearest wanted pixel; a pixel's own if none is wanted."""
     if not wanted.any():
         return tuple(np.indices(wanted.shape))
     return tuple(
@@ -84,7 +84,7 @@ def nearest(wanted: Flags) -> tuple[Numbers, Numbers]:
 
 
 def without_holes(measurement: Measurement) -> Measurement:
-    """The measurement with the samples of the nearest known pixel where none are known."""
+    """The measurement whose unknown pixels hold the samples of the nearest known pixel."""
     amplitude = measurement.amplitude.min(axis=0)
     known = np.where(measurement.mask, np.isfinite(amplitude), amplitude > 0)
     if known.all() or not known.any():
@@ -97,17 +97,18 @@ def without_holes(measurement: Measurement) -> Measurement:
 
 
 def phase_noise(measurement: Measurement) -> Array:
-    """Phase noise of the first two frequencies (2, H, W), rad, seen and hidden."""
+    """Phase noise of the first two frequencies (2, H, W), rad: `seen_noise` and `hidden_noise`."""
     seen = seen_noise(measurement)
     return np.hypot(seen, hidden_noise(measurement, seen))
 
 
 def hidden_noise(measurement: Measurement, seen: Array) -> float:
-    """Phase noise, rad, that no residual of a pixel's samples shows; zero where it is not clear.
+    """Phase noise, rad, that is common to all samples of a pixel; zero where it is not clear.
 
-    Vibration and drift move all samples of a pixel alike. The beats ``phi_2 - m phi_1`` of pixels
-    two apart show it where the frequencies have nearly the ratio m, so that depth hardly moves a
-    beat: what they differ by, beyond the noise that is ``seen`` (2, H, W), rad.
+    Vibration and drift move all samples alike, so that the residual of the fit does not show them.
+    The beats ``phi_2 - m phi_1`` of pixels two apart do, where the frequencies have nearly the
+    ratio m, so that depth hardly moves a beat: by their differences beyond the noise that is
+    ``seen`` (2, H, W), rad.
     """
     ratio = float(np.divide(*measurement.frequencies[1::-1])) if len(seen) > 1 else 0.5
     multiple = round(ratio)
@@ -130,7 +131,7 @@ def hidden_noise(measurement: Measurement, seen: Array) -> float:
 
 
 def seen_noise(measurement: Measurement) -> Array:
-    """Phase noise of the first two frequencies (2, H, W), rad: ``sqrt(2 / K) s / a``.
+    """Phase noise (2, H, W), rad, that the residuals of the fits show: ``sqrt(2 / K) s / a``.
 
     The noise s of a sample is that of the fit's residual, a the amplitude. It is one radian where
     only phases or three steps were kept, infinite without signal.
@@ -148,7 +149,7 @@ def seen_noise(measurement: Measurement) -> Array:
 
 
 def _sample_noise(images: NDArray, psi: Array) -> float:
-    """Noise of one sample, counts, from the pixels whose samples are finite and differ."""
+    """Noise of one sample, counts, from the pixels whose samples are finite and not all equal."""
     finite = np.ptp(images, axis=0) > 0  # false for NaN; zeros fill what saw nothing
     if not finite.any():
         return 0.0

@@ -32,7 +32,7 @@ _EDGES = np.geomspace(1e-7, 1e2, 18_001)  # of depth errors, m, 0.12 % apart: me
 
 
 def scored_pixels(result: xr.Dataset, measurement: Measurement) -> dict[str, NDArray]:
-    """A result and its truth over the valid pixels that have a depth, each of shape (P,).
+    """Result and truth of the P valid pixels with a known depth: arrays (P,) by name.
 
     ``wrap_count``, ``true_count`` (the paper's floor), ``consistent``, ``true_consistent`` (the
     wraps that turn the measured phase into depth), ``depth_error`` (m), ``confidence``; of sets of
@@ -44,8 +44,10 @@ def scored_pixels(result: xr.Dataset, measurement: Measurement) -> dict[str, NDA
         raise ValueError(
             "Expected a measurement with its true depth, got none. Simulate one."
         )
-    sure = result["confidence"].to_numpy()
-    scored = measurement.mask & (sure >= float(result.attrs.get("min_confidence", 0)))
+    confidence = result["confidence"].to_numpy()
+    scored = measurement.mask & (
+        confidence >= float(result.attrs.get("min_confidence", 0))
+    )
     scored &= np.isfinite(truth)
     if not scored.any():
         raise ValueError(
@@ -59,9 +61,11 @@ def scored_pixels(result: xr.Dataset, measurement: Measurement) -> dict[str, NDA
     true = wrap_count_from_depth(depth, frequency)
     sets = {}
     for level in ("90", "95") if "within_90" in result else ():
-        most = result[f"within_{level}"].to_numpy()[scored]
-        ends = np.clip([count - most, count + most], *wraps_in_range(measurement))
-        sets[f"covered_{level}"] = np.abs(count - true) <= most
+        half_width = result[f"within_{level}"].to_numpy()[scored]
+        ends = np.clip(
+            [count - half_width, count + half_width], *wraps_in_range(measurement)
+        )
+        sets[f"covered_{level}"] = np.abs(count - true) <= half_width
         sets[f"wraps_in_{level}"] = np.ptp(ends, axis=0) + 1
     return sets | {
         "wrap_count": count,
@@ -69,27 +73,27 @@ def scored_pixels(result: xr.Dataset, measurement: Measurement) -> dict[str, NDA
         "consistent": consistent_wrap_count(estimate, phase, frequency),
         "true_consistent": consistent_wrap_count(depth, phase, frequency),
         "depth_error": estimate - depth,
-        "confidence": sure[scored],
+        "confidence": confidence[scored],
     }
 
 
 class Tally:
-    """Counts of one method over frames: a few numbers a frame, however many pixels there are."""
+    """Counts of one method over frames: a few numbers per frame, so that memory is bounded."""
 
     def __init__(self) -> None:
         self.frames: list[Fields] = []
         self.seconds = 0.0
         self._squares = 0.0
-        self._sureness = 0.0
+        self._confidences = 0.0
         self._errors = np.zeros(_EDGES.size + 1, np.int64)
 
     def add(self, pixels: Mapping[str, NDArray]) -> Fields:
-        """Counts of the `scored_pixels` of a frame; ``below`` each of `LIMITS` by wrap error."""
+        """Add the `scored_pixels` of a frame; return its counts, ``below`` as in `LIMITS`."""
         delta = np.abs(pixels["wrap_count"] - pixels["true_count"])
         right = pixels["consistent"] == pixels["true_consistent"]
         error = np.abs(pixels["depth_error"])
         self._squares += np.sum(error**2)
-        self._sureness += float(np.sum(pixels["confidence"], dtype=float))
+        self._confidences += float(np.sum(pixels["confidence"], dtype=float))
         self._errors += np.bincount(
             np.searchsorted(_EDGES, error), minlength=_EDGES.size + 1
         )
@@ -100,10 +104,10 @@ class Tally:
         return counts
 
     def score(self) -> Values:
-        """Rates and depth errors over all pixels of all frames, as ``cmtof evaluate`` has them."""
+        """Rates and depth errors, m, over all frames, as ``cmtof evaluate`` names them."""
         whole = sum(frame["pixels"] for frame in self.frames)
-        kept = [[*frame["below"], frame["consistent"]] for frame in self.frames]
-        shares = (np.sum(kept, axis=0) / whole).tolist()
+        counts = [[*frame["below"], frame["consistent"]] for frame in self.frames]
+        shares = (np.sum(counts, axis=0) / whole).tolist()
         median = int(np.searchsorted(np.cumsum(self._errors), whole / 2))
         sets = {
             name: float(
@@ -121,12 +125,12 @@ class Tally:
             "consistent_lt_1": shares[4],
             "depth_rmse_m": float(np.sqrt(self._squares / whole)),
             "depth_median_error_m": float(_EDGES[min(median, _EDGES.size - 1)]),
-            "mean_confidence": self._sureness / whole,
+            "mean_confidence": self._confidences / whole,
         }
 
 
 def score(frames: Mapping[str, NDArray] | Iterable[Mapping[str, NDArray]]) -> Values:
-    """Rates and depth errors over the `scored_pixels` of one or more frames."""
+    """Rates and depth errors, m, over the `scored_pixels` of one or more frames."""
     tally = Tally()
     for pixels in [frames] if isinstance(frames, Mapping) else frames:
         tally.add(pixels)
@@ -136,22 +140,22 @@ def score(frames: Mapping[str, NDArray] | Iterable[Mapping[str, NDArray]]) -> Va
 def measured(
     frame: Frame, methods: Iterable[str], *, number: int = 0, **conditions: Any
 ) -> dict[str, Measurement]:
-    """Measurement of a frame for each method: the same noise and the same scored pixels.
+    """Simulated measurement of a frame by method name, with the same noise and scored pixels.
 
-    Methods of other frequencies get one of their own. ``conditions`` are options of
+    Methods that need other frequencies get their own measurement. ``conditions`` are options of
     `cmtof.simulation.simulate`; the noise is drawn from (seed, number).
     """
     tones = {name: find_method(name).tones for name in methods}
-    held = {(): simulate(frame, frame_number=number, **conditions)}
+    measurements = {(): simulate(frame, frame_number=number, **conditions)}
     for other in set(tones.values()) - {()}:
         found = simulate(
             frame, frame_number=number, **conditions | {"frequencies": other}
         )
-        scored = (("y", "x"), found.mask & held[()].mask)
-        held[other] = Measurement(found.dataset.assign(mask=scored))
-    for one in held.values():
-        _ = one.decoded  # shared, so that no method is charged for it
-    return {name: held[tones[name]] for name in tones}
+        scored = (("y", "x"), found.mask & measurements[()].mask)
+        measurements[other] = Measurement(found.dataset.assign(mask=scored))
+    for measurement in measurements.values():
+        _ = measurement.decoded  # shared, so that it counts in no method's time
+    return {name: measurements[tones[name]] for name in tones}
 
 
 class Evaluation:
@@ -174,13 +178,13 @@ class Evaluation:
 
     def add(self, frame: Frame) -> Iterator[str]:
         """Simulate the next frame and run every method on it, yielding each name when done."""
-        given = measured(
+        measurements = measured(
             frame, self.methods, number=len(self.frames), **self.conditions
         )
         tallies = deepcopy(
             self._tallies
         )  # a frame at which a method fails counts for none
-        for name, measurement in given.items():
+        for name, measurement in measurements.items():
             start = perf_counter()
             try:
                 result = unwrap(measurement, method=name, **self.options)
@@ -197,16 +201,16 @@ class Evaluation:
         self.frames.append(frame.name)
         if frame.note:
             self.notes[frame.name] = frame.note
-        self._coverage += float(next(iter(given.values())).mask.mean())
+        self._coverage += float(next(iter(measurements.values())).mask.mean())
 
     def add_all(self, frames: Iterable[Frame]) -> "Evaluation":
-        """Run every method on every frame."""
+        """Run every method on every frame; return this evaluation."""
         for frame in frames:
             list(self.add(frame))
         return self
 
     def counts(self) -> list[Fields]:
-        """Counts of every frame: its name, and those of each method."""
+        """One dict per frame: its name, and the counts of each method."""
         return [
             {
                 "frame": name,
@@ -217,15 +221,17 @@ class Evaluation:
 
     def report(self) -> Fields:
         """Rates over all scored pixels of all frames, as ``cmtof evaluate --json`` writes them."""
-        given = {
+        conditions = {
             "protocol": "released",
             "noise": NOISE_SIGMA,
             "seed": 0,
         } | self.conditions
         return {
-            "protocol": given["protocol"],
-            "noise": 0.0 if given.get("noise_free") else float(given["noise"]),
-            "seed": given["seed"],
+            "protocol": conditions["protocol"],
+            "noise": 0.0
+            if conditions.get("noise_free")
+            else float(conditions["noise"]),
+            "seed": conditions["seed"],
             "frames": self.frames,
             "notes": self.notes,
             "coverage": self._coverage / len(self.frames),
@@ -238,25 +244,25 @@ class Evaluation:
 
 
 def digest(counts: Sequence[Named]) -> str:
-    """SHA-256 of counts, stored beside them."""
+    """SHA-256 of counts as a hexadecimal string, stored beside them."""
     plain = json.dumps(counts, sort_keys=True, ensure_ascii=False)
     return hashlib.sha256(plain.encode()).hexdigest()
 
 
 def read_counts(path: AnyPath) -> list[Fields]:
-    """Counts of every test frame as `cmtof_book.tables` has stored them; empty without a file.
+    """Counts of the test frames from a file of `cmtof_book.tables`; empty without the file.
 
     Raises a ValueError if the counts were changed after they were written.
     """
     path = Path(path)
     if not path.is_file():
         return []
-    held = json.loads(path.read_text("utf-8"))
-    if held["sha256"] != digest(held["frames"]):
+    stored = json.loads(path.read_text("utf-8"))
+    if stored["sha256"] != digest(stored["frames"]):
         raise ValueError(
             f"Expected counts as written in {path}, got edited ones. Count again."
         )
-    return held["frames"]
+    return stored["frames"]
 
 
 def rates(
@@ -269,10 +275,10 @@ def rates(
     whole = np.array([frame["methods"][method]["pixels"] for frame in counts])
 
     def parts(name: str) -> Numbers:
-        held = [frame["methods"][name] for frame in counts]
-        below = np.array([one["below"] for one in held]).T
+        tallies = [frame["methods"][name] for frame in counts]
+        below = np.array([one["below"] for one in tallies]).T
         return np.stack(
-            [*below[:3], whole - below[3], [one["consistent"] for one in held]]
+            [*below[:3], whole - below[3], [one["consistent"] for one in tallies]]
         )
 
     return ratio_interval(

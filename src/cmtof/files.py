@@ -1,4 +1,4 @@
-"""Files that are either whole or not there: write beside, then rename."""
+"""Files that are either whole or not there: written beside, then renamed; checks of files."""
 
 import os
 import re
@@ -15,56 +15,58 @@ from typing import Any
 
 AnyPath = str | Path
 _NUMBER = count()  # of the files that this process writes beside others
-# s, after which what a dead process has left is no longer another machine's
-_FORGOTTEN = 600
+# s after which a temporary file without a process here is no other machine's, either
+_LEFTOVER_AGE = 600
 
 
 def check_input(path: AnyPath, what: str = "a file to read") -> Path:
-    """Check that a path is a regular file: one would wait for a pipe, and a device has no end."""
+    """The path of a regular file; FileNotFoundError else, also for pipes and devices."""
     if not Path(path).is_file():
-        raise FileNotFoundError(f"Expected {what}, got no file at {path}. Check it.")
+        raise FileNotFoundError(
+            f"Expected {what}, got no file at {path}. Check the path."
+        )
     return Path(path)
 
 
 def check_heaps(path: Path) -> None:
-    """Raise a ValueError if an HDF5 file has a heap whose end HDF5 would look for without end.
+    """Raise a ValueError if an HDF5 file has a heap that HDF5 would read in an endless loop.
 
     A collection ``GCOL`` holds objects with a number, a size, and that many bytes; number 0 is the
     free space, whose size counts its own 16 bytes of header.
     """
-    with path.open("rb") as file, mmap(file.fileno(), 0, access=ACCESS_READ) as held:
-        for found in re.finditer(rb"GCOL\x01\0{3}(.{8})", held, re.DOTALL):
-            place = found.end()
+    with path.open("rb") as file, mmap(file.fileno(), 0, access=ACCESS_READ) as content:
+        for found in re.finditer(rb"GCOL\x01\0{3}(.{8})", content, re.DOTALL):
+            position = found.end()
             end = found.start() + int.from_bytes(found[1], "little")
-            while place + 16 <= min(end, len(held)):
-                number, size = struct.unpack_from("<H6xQ", held, place)
-                place += 16 * (number > 0) + (size + 7) // 8 * 8
+            while position + 16 <= min(end, len(content)):
+                number, size = struct.unpack_from("<H6xQ", content, position)
+                position += 16 * (number > 0) + (size + 7) // 8 * 8
                 if not number + size:
                     raise ValueError("a heap without an end")
 
 
 def check_links(file: Any) -> None:
-    """Raise a ValueError if an HDF5 file takes anything from another file."""
+    """Raise a ValueError if an open HDF5 file links to data in another file."""
     from h5py import ExternalLink
 
-    found: list[str] = []
+    outside: list[str] = []
 
     def note_link(name: str, link: Any) -> None:
         if isinstance(link, ExternalLink):
-            found.append(name)
+            outside.append(name)
 
-    def note_storage(name: str, held: Any) -> None:
-        if getattr(held, "external", None) or getattr(held, "is_virtual", False):
-            found.append(name)
+    def note_storage(name: str, item: Any) -> None:
+        if getattr(item, "external", None) or getattr(item, "is_virtual", False):
+            outside.append(name)
 
     file.visititems_links(note_link)
     file.visititems(note_storage)
-    if found:
-        raise ValueError(f"{found[0]} lies in another file")
+    if outside:
+        raise ValueError(f"{outside[0]} lies in another file")
 
 
 def check_output(path: AnyPath, *suffixes: str) -> Path:
-    """Check that a file can be written, before anything is computed for it; return its place.
+    """Check that a file can be written, before anything is computed; return its real path.
 
     A ValueError if it is not named by one of the suffixes, an OSError if the folder is missing or
     cannot be written to, or it is a folder or a device.
@@ -80,7 +82,7 @@ def check_output(path: AnyPath, *suffixes: str) -> Path:
             target = target.resolve()
         except (OSError, RuntimeError):
             raise FileExistsError(
-                f"Expected a link that leads to a file, got a circle at {target}. Name a file."
+                f"Expected a link to a file, got a circle of links at {target}. Name a file."
             ) from None
     if target.is_dir():
         raise IsADirectoryError(
@@ -94,34 +96,34 @@ def check_output(path: AnyPath, *suffixes: str) -> Path:
         raise FileExistsError(
             f"Expected a regular file to write, got a device or pipe, {target}. Name a file."
         )
-    probe = _part(target)
+    probe = _temporary_path(target)
     try:
         probe.touch()
         probe.unlink()
     except OSError as error:
         raise PermissionError(
             f"Expected a folder that can be written to, got {target.parent} ({error.strerror}). "
-            "Choose another."
+            "Choose another folder."
         ) from error
     return target
 
 
-def _part(target: Path) -> Path:
-    """New name beside a file; writers choose their format by the suffix, so it stays."""
+def _temporary_path(target: Path) -> Path:
+    """Unused path of a temporary file beside a file, with the same suffix."""
     return target.with_name(
         f".{target.stem}.part-{os.getpid()}-{next(_NUMBER)}{target.suffix}"
     )
 
 
-def _clear_away(target: Path) -> None:
-    """Remove what processes that were killed have left beside a file, after some minutes."""
+def _remove_leftovers(target: Path) -> None:
+    """Remove temporary files of killed processes beside a file, if they are some minutes old."""
     for part in target.parent.glob(
         f".{escape(target.stem)}.part-*{escape(target.suffix)}"
     ):
         process = re.search(r"\.part-(\d+)-\d+$", part.stem)
         if process and not Path("/proc", process[1]).exists():
             with suppress(OSError):
-                if time.time() - part.stat().st_mtime > _FORGOTTEN:
+                if time.time() - part.stat().st_mtime > _LEFTOVER_AGE:
                     part.unlink()
 
 
@@ -137,10 +139,10 @@ def written_whole(path: AnyPath) -> Iterator[Path]:
     'whole'
     """
     target = check_output(path)
-    _clear_away(target)
-    part = _part(target)
+    _remove_leftovers(target)
+    part = _temporary_path(target)
     try:
-        if target.exists():  # who may read it stays
+        if target.exists():  # keep its permissions
             part.touch(0o600)
             shutil.copymode(target, part)
         yield part
@@ -151,7 +153,7 @@ def written_whole(path: AnyPath) -> Iterator[Path]:
 
 @contextmanager
 def alone(path: Path, *, wait: bool = False) -> Iterator[None]:
-    """Hold a file or folder for this process; wait for another that holds it, or a ValueError."""
+    """Lock a file or folder for this process; if another has it, wait or raise a ValueError."""
     import fcntl  # Windows has none
 
     handle = os.open(path, os.O_RDONLY)
@@ -160,18 +162,18 @@ def alone(path: Path, *, wait: bool = False) -> Iterator[None]:
         yield
     except BlockingIOError:
         raise ValueError(
-            f"Expected {path} to be free, got a process that is writing it. Wait for its end."
+            f"Expected {path} to be free, got a process that is writing it. Wait until it ends."
         ) from None
     finally:
         os.close(handle)
 
 
-# Size of a document that is read, and how deep it may be nested.
+# Largest size and depth of nesting of a document that is read.
 MOST_BYTES, MOST_DEPTH = 2**20, 20
 
 
 def small_file(path: AnyPath) -> bytes:
-    """Content of a document; a ValueError if it is too large for one."""
+    """Bytes of a file; a ValueError if there are more than `MOST_BYTES`."""
     size = check_input(path).stat().st_size
     if size > MOST_BYTES:
         raise ValueError(
@@ -181,7 +183,7 @@ def small_file(path: AnyPath) -> bytes:
 
 
 def read_document(path: AnyPath) -> dict[str, Any]:
-    """Read names and values from a YAML or JSON file; nothing in it is evaluated.
+    """Names and values of a YAML or JSON file; nothing in it is executed.
 
     A ValueError if it is too large, too deep, has aliases, or names that are no text.
 
@@ -203,8 +205,10 @@ def read_document(path: AnyPath) -> dict[str, Any]:
                 raise ValueError(f"aliases or a depth above {MOST_DEPTH}")
         found = yaml.safe_load(data) or {}
     except (yaml.YAMLError, ValueError) as error:
-        said = " ".join(str(error).split())[:200]
-        raise ValueError(f"Expected YAML in {path}, got {said}. Correct it.") from error
+        reason = " ".join(str(error).split())[:200]
+        raise ValueError(
+            f"Expected YAML in {path}, got {reason}. Correct it."
+        ) from error
     if not isinstance(found, dict) or not all(isinstance(name, str) for name in found):
         raise ValueError(
             f"Expected names and values in {path}, got something else. Correct it."

@@ -19,13 +19,13 @@ EMBEDDED = (
 HELD_OUT = EMBEDDED / "test" / "rooms.npz"  # views of rooms that nothing was trained on
 HELD_OUT_STEP = 5e-5  # step of its depth, m
 
-_WHITE = 0.8  # share of white pixels that looks like a mistake
-_DARK = 0.02  # and brightness
+_WHITE = 0.8  # share of white pixels beyond which the light looks wrong
+_DARK = 0.02  # brightness of nearly all pixels below which it looks wrong, too
 
 
 @dataclass(frozen=True)
 class Frame:
-    """One view of a scene; a ValueError says what is no number or no possible scene."""
+    """One view of a scene: depth and light; a ValueError says what is wrong with its arrays."""
 
     depth: Array  # range along the ray (H, W), m, float32; NaN where invalid
     intensity: Array  # linear radiance (H, W) >= 0, clipped to 1 by the simulator
@@ -50,7 +50,7 @@ class Frame:
             )
         if not np.isfinite(light).all() or light.min() < 0:
             raise ValueError(
-                f"Expected finite intensities >= 0, got others in {where}. Fill its holes with 0."
+                f"Expected finite intensities >= 0, got others in {where}. Replace them with 0."
             )
         kind = np.asarray(self.intensity).dtype.kind
         if kind in "iu" and light.max() > 1:
@@ -72,7 +72,7 @@ class Frame:
             np.savez_compressed(part, **arrays)
 
     def middle(self, height: int, width: int) -> "Frame":
-        """Middle of the frame, at most that large; the camera moves with it."""
+        """Central part of the frame, at most that large, px; the camera is shifted with it."""
         top = max(0, (self.depth.shape[0] - height) // 2)
         left = max(0, (self.depth.shape[1] - width) // 2)
         part = np.s_[top : top + height, left : left + width]
@@ -85,7 +85,7 @@ class Frame:
 
 
 class Source(NamedTuple):
-    """A frame that can be loaded; ``load`` raises ValueError or OSError where it is broken."""
+    """Name of a frame and the function that loads it, or raises ValueError or OSError."""
 
     name: str
     load: Callable[[], Frame]
@@ -93,7 +93,7 @@ class Source(NamedTuple):
 
 @dataclass
 class Frames:
-    """Frames of some sources; ``skipped`` holds name and reason of those that do not load."""
+    """Frames loaded one by one from sources; ``skipped`` holds why others failed, by name."""
 
     sources: Sequence[Source]
     skipped: Texts = field(default_factory=dict)
@@ -108,7 +108,7 @@ class Frames:
 
 
 def embedded_frames() -> dict[str, Path]:
-    """Names and files of the frames that travel with the package."""
+    """Files of the frames that come with the package, by name."""
     return {path.stem: path for path in sorted(EMBEDDED.glob("*.npz"))}
 
 
@@ -132,13 +132,13 @@ def broken(
     error: Exception,
     advice: str = "Fetch or write it again.",
 ) -> ValueError:
-    """The one error, of one line, for whatever is wrong with a file."""
+    """ValueError of one line for any error with which a file could not be read."""
     reason = (str(error).splitlines() or [type(error).__name__])[0][:120]
     return ValueError(f"Expected {expected}, got {path} ({reason}). {advice}")
 
 
 def read_npz(path: Path) -> dict[str, NDArray]:
-    """Every array of an ``.npz``, never a pickle; one ValueError for whatever is wrong."""
+    """Arrays of an ``.npz`` by name, never a pickle; a ValueError for whatever is wrong."""
     try:
         with zipfile.ZipFile(check_input(path)) as archive:
             check_claim(
@@ -151,7 +151,7 @@ def read_npz(path: Path) -> dict[str, NDArray]:
 
 
 def listed_npz(path: Path) -> Texts:
-    """Shape and type of every array of an ``.npz``, which are not read themselves."""
+    """Shape and type, as text, of every array of an ``.npz`` by name; the arrays are not read."""
     found = {}
     try:
         with zipfile.ZipFile(check_input(path)) as archive:
@@ -182,7 +182,7 @@ def frame_from_npz(path: Path, camera: ArrayLike | None = None) -> Frame:
 
 
 def light_note(light: Array) -> str:
-    """What looks wrong about linear brightness, where 1 is white; nothing if it looks right."""
+    """Warning about linear brightness, where 1 is white, that looks wrong, or an empty text."""
     white = np.mean(light >= 1)
     brightest = np.percentile(light, 99)
     if white > _WHITE:

@@ -1,4 +1,4 @@
-"""Difficulty of unwrapping a scene: slope, jumps, and size of its surfaces."""
+"""How hard a scene is to unwrap: slopes, jumps and sizes of its surfaces."""
 
 from typing import NamedTuple
 
@@ -24,7 +24,7 @@ def bends(depth: ArrayLike) -> Flags:
 
 
 class Hardness(NamedTuple):
-    """Slopes, jumps and sizes of the surfaces of a depth map, for 7.15 GHz."""
+    """Slopes and jumps, wraps at 7.15 GHz, and sizes, px, of the surfaces of a depth map."""
 
     slope: (
         Array  # change of depth from a pixel to its neighbour within a surface, wraps
@@ -34,7 +34,7 @@ class Hardness(NamedTuple):
 
 
 def hardness(depth: ArrayLike) -> Hardness:
-    """Samples of one depth map (H, W), m, NaN where invalid."""
+    """Slopes, jumps and sizes of the surfaces of a depth map (H, W), m, NaN where invalid."""
     depth = np.asarray(depth, float)
     ends = bends(depth)
     wrap = wrap_length(FREQUENCY_SINGLE)
@@ -42,11 +42,11 @@ def hardness(depth: ArrayLike) -> Hardness:
     jumps = []
     for axis in (0, 1):
         change = np.moveaxis(np.abs(np.diff(depth, axis=axis)), axis, 0)
-        across = np.moveaxis(ends, axis, 0)
-        between = across[1:] & across[:-1]
-        slopes.append(change[np.isfinite(change) & ~between] / wrap)
+        end_pixels = np.moveaxis(ends, axis, 0)
+        is_jump = end_pixels[1:] & end_pixels[:-1]
+        slopes.append(change[np.isfinite(change) & ~is_jump] / wrap)
         # of the two pixels that a bend marks, the step lies between them
-        jumps.append(change[between & (change > BEND)] / wrap)
+        jumps.append(change[is_jump & (change > BEND)] / wrap)
     surfaces, _ = ndimage.label(~ends)
     pixels = np.bincount(surfaces.ravel()).astype(float)
     pixels[0] = 1  # a pixel on an edge stands alone

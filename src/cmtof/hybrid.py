@@ -1,4 +1,4 @@
-"""A network and surfaces together: the surfaces say which pixels share an offset, both say which.
+"""Unwrapping by surfaces and a network: surfaces share an offset, which both help to choose.
 
 Each surface is off by a number m of wraps. Its beat and shape give m a Gaussian, the network the
 mean of its log-odds over the pixels of the surface, and contacts join surfaces as without it:
@@ -19,11 +19,11 @@ from cmtof.surfaces import surfaces
 from cmtof.types import Array, Numbers, Single
 
 PIXELS = 1.0  # weight w
-LEAST = -8.0  # log-odds below which a network is not believed
+LEAST = -8.0  # log-probability below which the network's is clipped
 
 
 def hybrid(measurement: Measurement, *, weights: Path | None = None) -> Estimate:
-    """Surfaces whose wraps a network helps to choose by its odds, averaged over each."""
+    """Surfaces whose wraps a network helps to choose, by its log-odds averaged over each."""
     # not every method needs ONNX Runtime
     from cmtof.network.inference import network_for, scores
 
@@ -43,7 +43,7 @@ def hybrid(measurement: Measurement, *, weights: Path | None = None) -> Estimate
 def means_of_surfaces(
     odds: Single, turns: Array, label: Numbers, offsets: Numbers
 ) -> Array:
-    """Mean log-odds (N, M) of surfaces at offsets (N, M), wraps; 0 of those without pixels.
+    """Mean log-odds (N, M) of N surfaces at their M offsets (N, M), wraps; 0 without pixels.
 
     ``odds`` are images (C, H, W); ``turns`` (H, W) is the depth before any offset, in wraps above
     the first of them, and ``label`` (H, W) the surface of each pixel, -1 for none.
@@ -56,6 +56,6 @@ def means_of_surfaces(
     for k, moved in enumerate(offsets.T):
         at = wraps + moved[surface]
         found = odds.take(at * label.size + pixels, mode="clip")
-        believed = np.where((at < 0) | (at >= len(odds)), LEAST, found.clip(LEAST))
-        means[:, k] = np.bincount(surface, believed, len(offsets)) / count
+        clipped = np.where((at < 0) | (at >= len(odds)), LEAST, found.clip(LEAST))
+        means[:, k] = np.bincount(surface, clipped, len(offsets)) / count
     return means

@@ -1,4 +1,4 @@
-"""Hypersim: the official tree as it lies on disk, or rooms rendered in the same layout.
+"""Frames of the Hypersim data set, official or of rooms rendered in the same layout.
 
 A view is four files SCENE/images/scene_cam_XX_FOLDER_hdf5/frame.IIII.NAME.hdf5, as `FILES` lists
 them, each with one array (H, W) or (H, W, 3) under the key ``dataset``. Two tables lie beside the
@@ -39,7 +39,7 @@ _BRIGHTEST = 65504.0  # largest float16; radiance beyond it is stored as infinit
 
 
 class View(NamedTuple):
-    """One view of a tree, by name; ``partition`` is empty where none is stated."""
+    """Scene, camera and number of a view; ``partition`` is empty where none is stated."""
 
     scene: str
     camera: str
@@ -61,7 +61,7 @@ class View(NamedTuple):
 
 
 class Hypersim:
-    """A tree of scenes, or one scene; tables lie in it, beside it, or in a folder of either."""
+    """Hypersim folder, or one of its scenes; tables lie in it, beside it, or in ``metadata``."""
 
     def __init__(self, root: AnyPath):
         path = Path(root).resolve()
@@ -69,26 +69,26 @@ class Hypersim:
             raise ValueError(
                 f"Expected scenes such as ai_001_001/images in {path}, got none. Name their folder."
             )
-        alone = (path / "images").is_dir()
-        self.root = path.parent if alone else path
-        self._scenes = path.name if alone else "*"
+        one_scene = (path / "images").is_dir()
+        self.root = path.parent if one_scene else path
+        self._scenes = path.name if one_scene else "*"
 
     @cached_property
     def views(self) -> list[View]:
         """Every view whose depth is on disk, sorted."""
         files = self.root.glob(f"{self._scenes}/{_DEPTH_FILES}")
-        return sorted(view for file in files if (view := _view_from(file)))
+        return sorted(view for file in files if (view := _view_from_path(file)))
 
     @cached_property
     def projections(self) -> dict[str, Array]:
-        """M_cam_from_uv (3, 3) of each scene; empty without the table."""
+        """Projection M_cam_from_uv (3, 3) of each scene, by name; empty without the table."""
         rows = self._table(
             CAMERAS, lambda r: (r["scene_name"], [float(r[m]) for m in _MATRIX])
         )
         return {scene: np.reshape(matrix, (3, 3)) for scene, matrix in rows}
 
     def frame(self, view: View, *, blank: bool = False) -> Frame:
-        """A view with linear green as intensity; with ``blank`` 1 where there is no colour file."""
+        """Frame of a view, its intensity linear green; with ``blank`` 1 where no colour file is."""
         depth = read_array(view.file(self.root, "depth"), 2)
         notes = []
         if depth.dtype == np.float16:
@@ -116,7 +116,7 @@ class Hypersim:
     def sources(
         self, views: Iterable[View] | None = None, *, blank: bool = False
     ) -> list[Source]:
-        """Frames of views to be loaded; by default the test frames, without partitions all."""
+        """Sources of the frames of views; by default of test frames, or of all without a split."""
         if views is None:
             views = (self.split()["test"] if self._listed else []) or self.views
         return [
@@ -124,10 +124,10 @@ class Hypersim:
         ]
 
     def split(self) -> dict[str, list[View]]:
-        """Views on disk that train, validate and test, as `split_views` has them."""
+        """Views on disk by partition (train, val, test), as `split_views` chooses them."""
         if not self._listed:
             raise FileNotFoundError(
-                f"Expected {SPLIT} in or beside {self.root}, got none. Fetch the data set's."
+                f"Expected {SPLIT} in or beside {self.root}, got none. Copy it from the data set."
             )
         parts = split_views(self._listed)
         there = {view[:3] for view in self.views}
@@ -137,17 +137,19 @@ class Hypersim:
 
     @cached_property
     def _listed(self) -> list[View]:
-        """Every published view; none without the table."""
+        """Every view that the table of the split lists; empty without the table."""
         scene, camera, number, part = _LISTED
         return self._table(
             SPLIT, lambda r: View(r[scene], r[camera], int(r[number]), r[part])
         )
 
     def _table(self, name: str, parse: Callable[[Texts], Any]) -> list[Any]:
-        """What a function makes of each row of a published table; none without it."""
-        below = ("", "metadata", "analysis")
+        """Rows of a published table, each parsed by a function; empty without the table."""
+        folders = ("", "metadata", "analysis")
         places = (
-            base / b / name for base in (self.root, self.root.parent) for b in below
+            base / folder / name
+            for base in (self.root, self.root.parent)
+            for folder in folders
         )
         path = next((place for place in places if place.is_file()), None)
         if path is None:
@@ -160,14 +162,14 @@ class Hypersim:
 
 
 def is_hypersim(folder: Path) -> bool:
-    """Whether a folder is a tree of scenes or one scene."""
+    """Whether a folder is in Hypersim's layout: scenes, or one scene."""
     return any(next(folder.glob(p), None) for p in (_DEPTH_FILES, f"*/{_DEPTH_FILES}"))
 
 
 def frame_of_file(path: Path) -> Frame:
-    """Frame of a depth file, wherever its tree lies."""
+    """Frame of a depth file of Hypersim; a ValueError if it lies outside the data set's layout."""
     path = path.resolve()
-    if (view := _view_from(path)) is None:
+    if (view := _view_from_path(path)) is None:
         raise ValueError(
             "Expected a depth file "
             f"SCENE/images/scene_cam_XX_geometry_hdf5/frame.IIII.depth_meters.hdf5, got {path}. "
@@ -176,7 +178,7 @@ def frame_of_file(path: Path) -> Frame:
     return Hypersim(path.parents[3]).frame(view, blank=True)
 
 
-def _view_from(path: Path) -> View | None:
+def _view_from_path(path: Path) -> View | None:
     layout = r"/([^/]+)/images/scene_([^/]+)_geometry_hdf5/frame\.(\d{1,9})\.depth_meters\.hdf5$"
     found = re.search(layout, path.as_posix())
     return View(found[1], found[2], int(found[3])) if found else None
@@ -198,7 +200,7 @@ def camera_from_projection(projection: ArrayLike, shape: tuple[int, ...]) -> Arr
     rays = np.diag([1.0, -1.0, -1.0]) @ rays
     if not np.isfinite(rays).all() or np.linalg.det(rays) <= 0:
         raise ValueError(
-            "Expected a projection M_cam_from_uv that shows what lies ahead, "
+            "Expected a projection M_cam_from_uv, invertible and not mirrored, "
             f"got {given.tolist()}. Check the table of camera parameters."
         )
     inverse = np.linalg.qr(rays, mode="r")
@@ -208,30 +210,34 @@ def camera_from_projection(projection: ArrayLike, shape: tuple[int, ...]) -> Arr
 
 
 def split_views(listed: Iterable[View]) -> dict[str, list[View]]:
-    """Published views parted into train, val and test; each list is sorted.
+    """Published views divided into train, val and test; each list is sorted.
 
     Test are the paper's test frames or, in sets rendered here, the first view of each test scene;
     train and val are the official partitions without the scenes of any test frame.
     """
     views = sorted(view for view in listed if view.partition in PARTITIONS)
-    theirs = [v for v in views if re.fullmatch(r"ai_\d{3}_001/cam_00/0042", v.name)]
-    ours = [
+    paper_frames = [
+        v for v in views if re.fullmatch(r"ai_\d{3}_001/cam_00/0042", v.name)
+    ]
+    rendered = [
         v
         for v in views
         if v.partition == "test" and not re.match(r"ai_\d{3}_", v.scene)
     ]
-    test = sorted([*theirs, *{view.scene: view for view in reversed(ours)}.values()])
-    left = [
+    test = sorted(
+        [*paper_frames, *{view.scene: view for view in reversed(rendered)}.values()]
+    )
+    others = [
         view for view in views if view.scene not in {tested.scene for tested in test}
     ]
     parts = {
-        name: [v for v in left if v.partition == name] for name in ("train", "val")
+        name: [v for v in others if v.partition == name] for name in ("train", "val")
     }
     return {**parts, "test": test}
 
 
 def read_array(path: Path, dimensions: int) -> NDArray:
-    """The array of one file: numbers, on that many axes, the third of 3."""
+    """Numbers of one file, (H, W) for two dimensions, (H, W, 3) for three."""
     import h5py
 
     check_input(path, "a file of the data set")

@@ -1,4 +1,4 @@
-"""Frames of image files: depth in levels or metres, and the light that belongs to it."""
+"""Frames of image files: an image of depth, in levels or metres, and one of light."""
 
 from pathlib import Path
 
@@ -9,10 +9,10 @@ from cmtof.files import AnyPath, check_input
 from cmtof.frame import Frame, broken, light_note, ray_lengths
 from cmtof.types import Array
 
-# Names that `read_image` understands; only PNG, PGM, PFM and NPY hold depth.
+# Suffixes that `read_image` reads; only PNG, PGM, PFM and NPY hold depth.
 READ = (".png", ".pgm", ".jpg", ".jpeg", ".pfm", ".npy")
 
-# Levels a metre of a depth image that nobody stated otherwise.
+# Levels per metre of a depth image whose scale is not given.
 LEVELS = 1000.0
 
 _ROTATED = 8  # SUN RGB-D moves the lowest three bits of a level to its top
@@ -89,7 +89,7 @@ def read_image(path: Path) -> NDArray:
 
 
 def distances(levels: NDArray, scale: float | None) -> tuple[Array, list[str]]:
-    """Depth (H, W), m, NaN where a level means «unknown», and what is odd about the levels."""
+    """Depth (H, W), m, NaN where a level means «unknown», and notes on odd levels."""
     if levels.dtype.kind == "f":
         return levels / (scale or 1.0), []
     notes = (
@@ -103,26 +103,29 @@ def distances(levels: NDArray, scale: float | None) -> tuple[Array, list[str]]:
         notes.append(
             f"{full.mean():.1%} of the depths are at level 65535, taken as unknown"
         )
-    held = levels[known]
-    if held.size and np.ptp(held):
-        crowd = np.mean(held == held.max())
-        if crowd > _CROWDED:
+    known_levels = levels[known]
+    if known_levels.size and np.ptp(known_levels):
+        share = np.mean(known_levels == known_levels.max())
+        if share > _CROWDED:
             notes.append(
-                f"{crowd:.1%} of the depths are at the largest level, {held.max()}"
+                f"{share:.1%} of the depths are at the largest level, {known_levels.max()}"
             )
-        if np.mean(held % _ROTATED == 0) > 0.95 and np.unique(held).size > _ROTATED:
+        if (
+            np.mean(known_levels % _ROTATED == 0) > 0.95
+            and np.unique(known_levels).size > _ROTATED
+        ):
             advice = f"if these are SUN RGB-D's rotated bits, give the scale {_ROTATED * 1000}"
             notes.append(f"all levels are multiples of {_ROTATED}: {advice}")
     return np.where(known, levels / (scale or LEVELS), np.nan), notes
 
 
 def resampled(image: NDArray, shape: tuple[int, ...]) -> tuple[NDArray, str]:
-    """An image at the size of the depth of the same view, by nearest pixels, and a note on it."""
+    """The image resampled to the shape (H, W) of its depth, by nearest pixels, and a note on it."""
     height, width = image.shape[:2]
     if (height, width) == shape or abs(
         height * shape[1] / (width * shape[0]) - 1
     ) > _ALIKE:
-        return image, ""  # a frame refuses two shapes
+        return image, ""  # a frame refuses images of different shapes
     pairs = zip(shape, (height, width), strict=True)
     place = [((np.arange(n) + 0.5) * m / n).astype(int) for n, m in pairs]
     note = f"light resampled from {height}x{width} to {shape[0]}x{shape[1]} px"
@@ -130,7 +133,7 @@ def resampled(image: NDArray, shape: tuple[int, ...]) -> tuple[NDArray, str]:
 
 
 def brightness_of(image: NDArray, linear: bool) -> Array:
-    """Linear brightness (H, W) of the green of a colour image, or of a grey one."""
+    """Linear brightness (H, W) of an image: its green channel, or its grey, without gamma."""
     green = image if image.ndim == 2 else image[..., 1 if image.shape[-1] > 2 else 0]
     if linear:
         return green / (np.percentile(green, 99) or 1.0)

@@ -42,7 +42,7 @@ def _matrix(hh: NDArray, hv: NDArray, vh: NDArray, vv: NDArray) -> JonesMatrix:
 
 
 def _diattenuator(along: Array, across: Array) -> JonesMatrix:
-    """Element of real amplitude transmissions along the horizontal and across it."""
+    """Jones matrix of amplitude transmissions along the horizontal and the vertical."""
     none = np.zeros_like(along)
     return _matrix(along, none, none, across)
 
@@ -110,7 +110,7 @@ def mirror(reflectance: ArrayLike = 1.0) -> JonesMatrix:
     return _diattenuator(np.sqrt(r), -np.sqrt(r))
 
 
-def _leakage(extinction_ratio: ArrayLike, name: str) -> Array:
+def _inverse_extinction(extinction_ratio: ArrayLike, name: str) -> Array:
     ratio = np.asarray(extinction_ratio, float)
     if not np.all(ratio > 1):
         raise ValueError(
@@ -135,8 +135,12 @@ def polarising_beam_splitter(
     Cubes reach extinction ratios of 1000 and more in transmission, but only 20 to 100 in
     reflection. Raises ValueError for another port or a ratio of 1 or less.
     """
-    a = _leakage(transmitted_extinction, "the transmitted port's extinction ratio")
-    b = _leakage(reflected_extinction, "the reflected port's extinction ratio")
+    a = _inverse_extinction(
+        transmitted_extinction, "the transmitted port's extinction ratio"
+    )
+    b = _inverse_extinction(
+        reflected_extinction, "the reflected port's extinction ratio"
+    )
     horizontal = (1 - b) / (1 - a * b)
     vertical = a * horizontal
     if port == "reflected":
@@ -150,5 +154,5 @@ def polarising_beam_splitter(
 
 
 def apply(element: JonesMatrix, field: ArrayLike) -> JonesVector:
-    """Jones vectors (..., 2) behind an element (..., 2, 2)."""
+    """Jones vectors (..., 2) behind an element (..., 2, 2), of fields (..., 2) before it."""
     return (element @ np.asarray(field, np.complex128)[..., None])[..., 0]

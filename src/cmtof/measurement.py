@@ -1,4 +1,4 @@
-"""Measurement: the product of simulator and instrument alike. Open, use, save.
+"""Measurement: what simulator and instrument produce, and unwrapping reads.
 
 A thin wrap around an `xarray.Dataset` of the variables in `cmtof.contract`: ``correlation`` or
 ``phase``, with the coordinates ``frequency`` and ``psi`` (of correlations); the rest is optional.
@@ -106,23 +106,23 @@ class Measurement:
 
     @property
     def amplitude(self) -> Array:
-        """Coefficient of the cosine (F, H, W), counts; ones where only phases were kept, or NaN."""
+        """Coefficient of the cosine (F, H, W), counts, or NaN; ones if only phases were stored."""
         return self.decoded.amplitude
 
     @property
     def depth(self) -> Array | None:
-        """True range along the ray (H, W), m, where the file holds it."""
+        """True range along the ray (H, W), m; None if the file does not hold it."""
         return self._image("depth")
 
     @property
     def mask(self) -> Flags:
-        """Valid pixels (H, W)."""
+        """True (H, W) where a pixel is valid."""
         mask = self._image("mask")
         return np.ones(self.shape, bool) if mask is None else mask.astype(bool)
 
     @property
     def camera(self) -> Array | None:
-        """Camera fx, fy, cx, cy (and skew), px, where the file holds it."""
+        """Camera fx, fy, cx, cy (and skew), px; None if the file does not hold it."""
         return self._image("camera")
 
     @property
@@ -132,13 +132,13 @@ class Measurement:
 
     @property
     def range(self) -> Pair:
-        """Depths to choose from, ``min <= z < max``, m."""
+        """Least and largest depth, m, among which methods choose: ``min <= z < max``."""
         return float(self.dataset.attrs["range_min"]), float(
             self.dataset.attrs["range_max"]
         )
 
     def between(self, range_min: float, range_max: float) -> "Measurement":
-        """Return the same measurement with another range to choose from, m."""
+        """The same measurement with another `range` of depths, m."""
         limits = {"range_min": float(range_min), "range_max": float(range_max)}
         return Measurement(self.dataset.assign_attrs(limits))
 
@@ -146,7 +146,7 @@ class Measurement:
         return self.dataset[name].to_numpy() if name in self.dataset else None
 
     def save(self, path: AnyPath) -> None:
-        """Write netCDF4; the file is there whole or not at all."""
+        """Write a netCDF4 file, whole or not at all."""
         save_dataset(self.dataset, path)
 
     def __repr__(self) -> str:
@@ -161,9 +161,10 @@ class Measurement:
 def tiles(
     dataset: Dataset, tile: int, margin: int
 ) -> Iterator[tuple[Measurement, dict[str, slice], tuple[slice, slice]]]:
-    """Square parts of a measurement, each with ``margin`` px around it, loaded one by one.
+    """Square tiles of a measurement, each with ``margin`` px around it, loaded one by one.
 
-    Yields what is seen, its rays those of the whole, the part in that, and the part in the image.
+    Yields the measurement of a tile with its margin, slices of the tile in it, by dimension, and
+    slices of the tile in the image. The camera is moved, so that rays are those of the image.
     """
     for y, x in product(
         range(0, dataset.sizes["y"], tile), range(0, dataset.sizes["x"], tile)
@@ -187,7 +188,7 @@ def tiles(
 
 
 def _dataset(variables: Fields, coordinates: Named, more: Fields) -> Dataset:
-    """Dataset of arrays by name; None is left out, and what a masked array masks is masked."""
+    """Dataset of arrays by name without those that are None; masks of masked arrays are applied."""
     from cmtof import __version__
 
     depth = more.pop("depth", None)
@@ -195,11 +196,13 @@ def _dataset(variables: Fields, coordinates: Named, more: Fields) -> Dataset:
     if np.ma.is_masked(depth):
         depth = np.ma.filled(np.ma.asarray(depth, float), np.nan)
     variables = variables | {"camera": more.pop("camera", None), "depth": depth}
-    held = {name: values for name, values in variables.items() if values is not None}
+    arrays = {name: values for name, values in variables.items() if values is not None}
     try:
-        if (valid := _valid_pixels(held, mask)) is not None:
-            held["mask"] = valid
-        images = {name: (VARIABLES[name].dims, np.asarray(held[name])) for name in held}
+        if (valid := _valid_pixels(arrays, mask)) is not None:
+            arrays["mask"] = valid
+        images = {
+            name: (VARIABLES[name].dims, np.asarray(arrays[name])) for name in arrays
+        }
         dataset = Dataset(images, coordinates)
     except ValueError as error:
         if str(error).startswith("Expected"):
@@ -216,7 +219,7 @@ def _dataset(variables: Fields, coordinates: Named, more: Fields) -> Dataset:
 def _valid_pixels(
     images: Mapping[str, ArrayLike], mask: ArrayLike | None
 ) -> NDArray | None:
-    """Pixels (H, W) that neither the mask nor a masked array leaves out; None for all."""
+    """1 (H, W) where neither the mask nor a masked array hides a pixel; None if all are valid."""
     parts = []
     if mask is not None:
         parts.append(np.nan_to_num(numbers(np.ma.filled(mask, 0), "mask")) != 0)

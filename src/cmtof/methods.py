@@ -1,4 +1,4 @@
-"""Every unwrapping method by name: its function, where it comes from, and what state it is in."""
+"""Registry of the unwrapping methods: function, source, and state of the weights, by name."""
 
 import inspect
 import warnings
@@ -36,16 +36,16 @@ class Method:
     tones: tuple[float, ...] = ()  # Hz, where those of the prototype do not serve
     knows_truth: bool = False  # whether it reads the true depth
     about: str = ""
-    # bytes a pixel and 4 more a wrap, of those that take most: they go in tiles
+    # bytes a pixel, beside 4 a wrap, of methods that work in tiles when memory is short
     memory: int = 0
     network: str = ""  # whose weights it needs
-    # whether its confidence takes the beat for unique within the range
+    # whether its confidence assumes that the beat does not repeat within the range
     one_beat: bool = False
     sets: bool = False  # whether `cmtof.estimate.SETS` hold for its confidence
 
     @property
     def summary(self) -> str:
-        """One line on the method: that of its function, unless told otherwise."""
+        """One line on the method: ``about``, or the first line of its function's docstring."""
         return self.about or (self.run.__doc__ or "").partition("\n")[0].rstrip(".")
 
     def __call__(self, measurement: Measurement, **options: Any) -> Estimate:
@@ -93,7 +93,7 @@ class Method:
             )
 
     def state(self, protocol: str = "released") -> str:
-        """Kind of a method without weights; else trained, untrained or no weights."""
+        """State "trained", "untrained" or "no weights"; the kind for a method without a network."""
         if not self.network:
             return self.kind
         from cmtof.network.weights import state
@@ -101,7 +101,7 @@ class Method:
         return state(self.network, protocol)
 
 
-def _learned(
+def _network_method(
     name: str, source: str, about: str, network: str = "", **usual: bool
 ) -> Method:
     model = network or name
@@ -109,14 +109,14 @@ def _learned(
     def run(measurement: Measurement, *, weights: AnyPath | None = None) -> Estimate:
         from cmtof.network.inference import unwrap_with_network
 
-        whole = without_holes(measurement)  # a network was never shown any
-        found = unwrap_with_network(whole, model=model, weights=weights, **usual)
+        filled = without_holes(measurement)  # a network was never shown any
+        found = unwrap_with_network(filled, model=model, weights=weights, **usual)
         return confirmed(*found, measurement)
 
     return Method(name, "learned", source, run, about=about, memory=1300, network=model)
 
 
-def _reference(run: Callable[..., Estimate], frequencies: int = 2) -> Method:
+def _reference_method(run: Callable[..., Estimate], frequencies: int = 2) -> Method:
     name = run.__name__.replace("_", "-")
     return Method(name, "reference", "", run, frequencies, knows_truth=True)
 
@@ -155,33 +155,35 @@ _ALL = (
         one_beat=True,
     ),
     Method("surfaces", "classical", "this project", surfaces, one_beat=True, sets=True),
-    _learned(
+    _network_method(
         "u-net", "Ronneberger et al. 2015", "U-Net, narrowed: segmentation into wraps"
     ),
-    _learned(
+    _network_method(
         "one-step", "Wang et al. 2019", "Residual U-Net, narrowed: regression of depth"
     ),
-    _learned(
+    _network_method(
         "deep-tof",
         "Su et al. 2018",
         "Encoder and decoder on raw correlations, narrowed",
     ),
-    _learned("rapid", "Zhang et al. 2019", "DeepLabV3+, narrowed"),
-    _learned("fast-scnn", _BAEK, "The paper's network: segmentation into wraps"),
-    _learned(
+    _network_method("rapid", "Zhang et al. 2019", "DeepLabV3+, narrowed"),
+    _network_method("fast-scnn", _BAEK, "The paper's network: segmentation into wraps"),
+    _network_method(
         "fast-scnn-mirrored",
         _BAEK,
         "The paper's network, averaged over four mirror images",
         network="fast-scnn",
         mirrored=True,
     ),
-    _learned(
+    _network_method(
         "fast-scnn-ce", _BAEK, "The paper's network, trained by cross-entropy alone"
     ),
-    _learned("fast-scnn-fourier", _BAEK, "The paper's network without phase edges"),
-    _learned("fast-scnn-phase", _BAEK, "The paper's network on bare phases"),
-    _learned("fast-scnn-public", _BAEK, "Layers of the authors' public code"),
-    _learned(
+    _network_method(
+        "fast-scnn-fourier", _BAEK, "The paper's network without phase edges"
+    ),
+    _network_method("fast-scnn-phase", _BAEK, "The paper's network on bare phases"),
+    _network_method("fast-scnn-public", _BAEK, "Layers of the authors' public code"),
+    _network_method(
         "fast-scnn-light",
         "this project",
         "A tenth of the paper's network, given the beat",
@@ -198,10 +200,10 @@ _ALL = (
     Method("middle", "trivial", "", trivial.middle, frequencies=1),
     Method("uniform", "trivial", "", trivial.uniform, frequencies=1),
     Method("mode", "trivial", "", trivial.mode, frequencies=1, knows_truth=True),
-    _reference(references.reference_depth, frequencies=1),
-    _reference(references.reference_offset),
-    _reference(references.reference_contact),
-    _reference(references.reference_field),
+    _reference_method(references.reference_depth, frequencies=1),
+    _reference_method(references.reference_offset),
+    _reference_method(references.reference_contact),
+    _reference_method(references.reference_field),
 )
 
 METHODS = {method.name: method for method in _ALL}

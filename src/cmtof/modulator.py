@@ -164,14 +164,14 @@ class TwoPassModulator:
         far above. The doubled mode fills the even ones: ``[::2]`` are those of twice the drive.
         """
         samples = 4 * (count + int(np.ceil(4 * abs(self.eta))) + 16)
-        return harmonics_from_waveform(self._period(samples), count)
+        return harmonics_from_waveform(self._waveform_period(samples), count)
 
-    def _period(self, samples: int) -> Array:
+    def _waveform_period(self, samples: int) -> Array:
         return self.waveform(2 * np.pi * np.arange(samples) / samples)
 
     def contrast(self) -> float:
         """Peak-to-peak contrast (max - min)/(max + min); sin(2 eta) in the ideal single mode."""
-        w = self._period(4096)  # holds the crests of the ideal modes exactly
+        w = self._waveform_period(4096)  # holds the crests of the ideal modes exactly
         return float((w.max() - w.min()) / (w.max() + w.min()))
 
     def modulation_depth(self) -> float:

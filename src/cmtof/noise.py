@@ -1,4 +1,4 @@
-"""Noise of a phase map: size and spectrum, its reduction, and the simulator's equivalent.
+"""Noise of a phase map: its size, spectrum and reduction, and the simulator's equivalent.
 
 A wrapped phase may be neither averaged nor differenced as it stands: its wraps are no steps. Every
 window of a map is therefore first turned back by the local slope of the phase, which products of
@@ -35,16 +35,16 @@ class Denoised(NamedTuple):
 
 
 def denoise(phase: ArrayLike, *, window: int = 5) -> Denoised:
-    """Mean phasor of each window of an odd side, turned back by the local slope.
+    """Phase and coherence of the mean phasor in a window about each pixel, its slope removed.
 
-    White noise falls by ``window``. A plane is kept as it is; curvature kappa (rad/px^2, each way)
-    moves the phase by about ``kappa (window^2 - 1) / 12``.
+    The side of the window, px, is odd. White noise falls by ``window``. A plane is kept as it is;
+    curvature kappa (rad/px^2, each way) moves the phase by about ``kappa (window^2 - 1) / 12``.
 
     >>> phase = np.outer(np.ones(9), 0.7 * np.arange(9)) % (2 * np.pi)
     >>> np.allclose(denoise(phase).phase, phase)
     True
     """
-    flat = _flattened(phase, window)
+    flat = _windows_without_slope(phase, window)
     total = flat.sum(axis=(-2, -1))
     inside = np.abs(flat).sum(axis=(-2, -1))
     coherence = np.minimum(np.abs(total) / inside, 1.0)
@@ -58,10 +58,10 @@ def local_phase_noise(phase: ArrayLike, *, window: int = 5) -> Array:
     up to their third derivative; edges, and noise beyond about 0.6 rad, do not. NaN where the
     window reaches beyond the map.
     """
-    flat = np.angle(_flattened(phase, window))
-    residual = flat.reshape(*flat.shape[:2], -1) @ _left_over(window)
+    flat = np.angle(_windows_without_slope(phase, window))
+    residual = flat.reshape(*flat.shape[:2], -1) @ _residual_matrix(window)
     square = np.vecdot(residual, residual)
-    return _inner(np.sqrt(square / (window**2 - 6)), window)
+    return _with_nan_border(np.sqrt(square / (window**2 - 6)), window)
 
 
 def local_residual(phase: ArrayLike, *, window: int = 9) -> Array:
@@ -69,8 +69,8 @@ def local_residual(phase: ArrayLike, *, window: int = 9) -> Array:
 
     NaN where the window reaches beyond the map.
     """
-    flat = np.angle(_flattened(phase, window))
-    return _inner(np.einsum("yxij,ij->yx", flat, _fit_kernel(window)), window)
+    flat = np.angle(_windows_without_slope(phase, window))
+    return _with_nan_border(np.einsum("yxij,ij->yx", flat, _fit_kernel(window)), window)
 
 
 def typical_phase_noise(
@@ -81,18 +81,18 @@ def typical_phase_noise(
     The median of `local_phase_noise` over the centres in ``where`` (H, W), over that of white noise
     of one radian: edges and outliers do not count.
     """
-    held = local_phase_noise(phase, window=window)[np.asarray(where, bool)]
-    held = held[np.isfinite(held)]
-    if not held.size:
+    noises = local_phase_noise(phase, window=window)[np.asarray(where, bool)]
+    noises = noises[np.isfinite(noises)]
+    if not noises.size:
         raise ValueError(
             f"Expected whole windows of {window} px to fit, got none. Widen the region."
         )
     freedom = window**2 - 6
-    return float(np.median(held) / np.sqrt(stats.chi2.median(freedom) / freedom))
+    return float(np.median(noises) / np.sqrt(stats.chi2.median(freedom) / freedom))
 
 
-def _flattened(phase: ArrayLike, window: int) -> Complex:
-    """Phasors of windows (H, W, window, window), turned back by centre and slope; 0 outside."""
+def _windows_without_slope(phase: ArrayLike, window: int) -> Complex:
+    """Phasors in each pixel's window (H, W, window, window), without its phase and slope."""
     phase = np.asarray(phase, float)
     if phase.ndim != 2:
         raise ValueError(
@@ -115,20 +115,20 @@ def _flattened(phase: ArrayLike, window: int) -> Complex:
     return windows * np.exp(-1j * (phase[..., None, None] + ramp))
 
 
-def _left_over(window: int) -> Array:
-    """Projector ``1 - A A^+`` onto what a fit of 1, x, y, x^2, xy, y^2 leaves of a window."""
+def _residual_matrix(window: int) -> Array:
+    """Matrix ``1 - A A^+`` from a window's values to the residuals of a fit of second degree."""
     y, x = (axis.ravel() - window // 2.0 for axis in np.mgrid[:window, :window])
     design = np.stack([np.ones_like(x), x, y, x * x, x * y, y * y], axis=-1)
     return np.eye(window**2) - design @ np.linalg.pinv(design)
 
 
 def _fit_kernel(window: int) -> Array:
-    """Weights of the fit's residual at the centre of its window."""
-    return _left_over(window)[window**2 // 2].reshape(window, window)
+    """Weights (window, window) of the values in the fit's residual at the centre."""
+    return _residual_matrix(window)[window**2 // 2].reshape(window, window)
 
 
-def _inner(values: Array, window: int) -> Array:
-    """NaN where a window reaches beyond the map."""
+def _with_nan_border(values: Array, window: int) -> Array:
+    """Values (H, W) with NaN where a window reaches beyond the map."""
     reach = window // 2
     return np.pad(values[reach:-reach, reach:-reach], reach, constant_values=np.nan)
 
@@ -137,7 +137,7 @@ def _inner(values: Array, window: int) -> Array:
 
 
 def fit_response(shape: Shape, *, window: int = 9) -> Array:
-    """Response (H, W) of `local_residual` at the frequencies of a Fourier transform, 0 to 1.3.
+    """Transfer function (H, W) of `local_residual` over the frequencies of an FFT, 0 to 1.3.
 
     About one beyond ``1 / window`` per pixel; spectra are multiplied by its square.
     """
@@ -170,13 +170,13 @@ def power_spectrum(values: ArrayLike, mask: ArrayLike) -> Array:
 
 
 def noise_from_spectrum(spectrum: ArrayLike, *, rng: Generator) -> Array:
-    """Gaussian noise (H, W) whose expected `power_spectrum` is the one given; periodic."""
+    """Random periodic Gaussian noise (H, W) whose mean `power_spectrum` is the given one."""
     white = np.fft.fft2(rng.standard_normal(np.shape(spectrum)))
     return np.fft.ifft2(np.sqrt(spectrum) * white).real
 
 
 class LineNoise(NamedTuple):
-    """Phase noise of a scan: a grain whose neighbours may correlate, and drift between lines.
+    """Parameters of the phase noise of a scan: noise of pixels, and drift between lines.
 
     ``white^2 (1 + 2 down cos k_y) (1 + 2 across cos k_x)`` plus an offset common to each column of
     standard deviation ``line``, both in rad. ``down`` and ``across`` are the correlations of the
@@ -189,7 +189,7 @@ class LineNoise(NamedTuple):
     across: float
 
     def spectrum(self, shape: Shape) -> Array:
-        """Power spectrum (H, W) at the frequencies of a Fourier transform, rad^2."""
+        """Power spectrum (H, W), rad^2, over the frequencies of an FFT."""
         ky, kx = (TAU * np.fft.fftfreq(size) for size in shape)
         along = 1 + 2 * self.down * np.cos(ky)
         across = 1 + 2 * self.across * np.cos(kx)
@@ -201,7 +201,7 @@ class LineNoise(NamedTuple):
 def fit_line_noise(
     residual: ArrayLike, mask: ArrayLike, *, window: int = 9
 ) -> LineNoise:
-    """Line noise that is likeliest for the residual (H, W), rad, of `local_residual`.
+    """Maximum-likelihood parameters of line noise for a `local_residual` (H, W), rad.
 
     The periodogram of Gaussian noise follows an exponential law at each frequency (Whittle's
     likelihood): ``sum(log E + P / E)`` is least for the expectation E, the model's spectrum times
@@ -234,11 +234,11 @@ def fit_line_noise(
 
 
 def linear_from_spread(spread: float) -> float:
-    """Linear phase noise whose exact law spreads this far, rad: inverse of `phase_spread`."""
+    """Linear phase noise, rad, of a standard deviation, rad: the inverse of `phase_spread`."""
     if not 1e-6 < spread < phase_spread(_LARGEST):
         raise ValueError(
             f"Expected a phase noise between 0 and {np.pi / np.sqrt(3):.2f} rad, "
-            f"got {spread:.4g}. Average first."
+            f"got {spread:.4g}. Average phases first."
         )
     root = optimize.brentq(
         lambda x: phase_spread(x) - spread, 0.6 * spread, _LARGEST, xtol=1e-13
@@ -247,7 +247,7 @@ def linear_from_spread(spread: float) -> float:
 
 
 def sigma_from_phase_noise(phase_noise: float, *, intensity: ArrayLike = 1.0) -> Array:
-    r"""Gaussian noise of the simulator that gives a phase noise, counts (Eq. 8 and 9).
+    r"""Gaussian noise sigma of the simulator, counts, that gives a phase noise, rad (Eq. 8, 9).
 
     .. math:: \sigma^2 = 2 (\ell\,GTI/\pi)^2 - GTI/2
 
@@ -270,7 +270,7 @@ def sigma_from_phase_noise(phase_noise: float, *, intensity: ArrayLike = 1.0) ->
 
 
 def intensity_from_phase_noise(phase_noise: float, sigma: ArrayLike) -> Array:
-    """Brightness at which Gaussian noise of sigma counts gives a phase noise.
+    """Brightness at which Gaussian noise of sigma counts gives a phase noise, rad.
 
     The positive root I of `sigma_from_phase_noise`; beyond 1 less noisy than simulated white paper.
     """

@@ -22,7 +22,7 @@ def points_from_depth(depth: ArrayLike, camera: ArrayLike) -> Array:
 
 
 def normals_from_points(points: ArrayLike) -> Array:
-    """Unit normals (H, W, 3) towards the scanner, from neighbouring points (H, W, 3), NaN for none.
+    """Unit normals (H, W, 3) towards the scanner from points (H, W, 3), m, NaN where unknown.
 
     Beside a hole, where no neighbour gives the slope, they face the scanner.
 
@@ -71,7 +71,7 @@ def write_ply(
 
 
 def _grey(light: Array) -> NDArray[np.uint8]:
-    """Grey of linear brightness (N,): the 99th percentile is white, the gamma 2.2."""
+    """Grey levels (N,) of linear brightness (N,): 99th percentile white, gamma 2.2."""
     white = np.percentile(light, 99) if light.size else 1.0
     share = np.clip(light / max(white, 1e-12), 0, 1)
     return (255 * share ** (1 / 2.2)).astype(np.uint8)
@@ -92,9 +92,9 @@ def _ply_header(vertices: np.recarray) -> str:
 
 
 def mesh_triangles(points: ArrayLike, *, longest: float = np.inf) -> Numbers:
-    """Triangles (T, 3) between neighbouring pixels of a map of points (H, W, 3), m; NaN for none.
+    """Triangles (T, 3), as indices of pixels, between neighbouring points (H, W, 3), m.
 
-    Longer sides than ``longest``, m, bridge an edge and are left out.
+    Triangles with a NaN or a side above ``longest``, m, which bridges an edge, are left out.
     """
     points = np.asarray(points, float)
     number = np.arange(points[..., 0].size).reshape(points.shape[:2])

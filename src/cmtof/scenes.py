@@ -1,4 +1,4 @@
-"""Sources of RGB-D: files, folders, Hypersim, rooms from a seed, real captures."""
+"""Frames of depth and light from files, folders, Hypersim and TUM data sets."""
 
 from functools import partial
 from pathlib import Path
@@ -14,13 +14,13 @@ from cmtof.types import Fields
 
 __all__ = ["Frame", "Frames", "embedded_frames", "frames_in", "load_frame"]
 
-# Names of images that may hold depth.
+# Suffixes of images that may hold depth.
 DEPTHS = (".png", ".pgm", ".pfm", ".npy", ".exr")
 
-# Levels a metre of the depth images of the TUM RGB-D benchmark.
+# Levels per metre in depth images of the TUM RGB-D benchmark.
 TUM_LEVELS = 5000.0
 
-# Largest time between depth and colour of one view there, s.
+# Largest time between depth and colour of one view of that benchmark, s.
 TUM_GAP = 0.02
 
 
@@ -55,7 +55,7 @@ def load_frame(
 def frames_in(
     source: AnyPath, *, intensity: AnyPath | None = None, **given: Any
 ) -> list[Source]:
-    """Frames of a file, an embedded name or a folder, listed without loading any.
+    """Sources of the frames of a file, an embedded name or a folder; none is loaded.
 
     A folder is a Hypersim tree or scene (its test frames, or every view without the table), a
     sequence of the TUM benchmark (``depth.txt`` and ``rgb.txt``), holds ``*.npz``, or pairs
@@ -88,8 +88,8 @@ def frames_in(
     return found
 
 
-def _pairs(path: Path, given: Fields) -> list[Source]:
-    """Frames of ``depth/NAME`` beside ``rgb/NAME`` or ``color/NAME``, in the order of numbers."""
+def _pairs(path: Path, options: Fields) -> list[Source]:
+    """Sources of pairs ``depth/NAME`` and ``rgb/NAME`` or ``color/NAME``, by rising number."""
     colours = {
         p.stem: p for folder in ("rgb", "color") for p in (path / folder).glob("*.*g")
     }
@@ -101,26 +101,28 @@ def _pairs(path: Path, given: Fields) -> list[Source]:
     return [
         Source(
             f"{path.name}/{p.stem}",
-            partial(frame_from_pair, p, colours[p.stem], **given),
+            partial(frame_from_pair, p, colours[p.stem], **options),
         )
         for p in sorted(depths, key=lambda p: (len(p.stem), p))
     ]
 
 
-def _tum_sequence(path: Path, given: Fields) -> list[Source]:
-    """Frames of a sequence of the TUM benchmark: each depth with the colour nearest in time."""
+def _tum_sequence(path: Path, options: Fields) -> list[Source]:
+    """Sources of a sequence of the TUM benchmark: each depth with the colour nearest in time."""
     depths = _tum_list(path / "depth.txt")
     colours = _tum_list(path / "rgb.txt")
-    how = given | {
-        "depth_scale": given.get("depth_scale") or TUM_LEVELS,
-        "planar": given.get("camera") is not None,  # depth lies along the axis there
+    reading = options | {
+        "depth_scale": options.get("depth_scale") or TUM_LEVELS,
+        "planar": options.get("camera") is not None,  # depth lies along the axis there
     }
     times = np.array(list(colours))
     found = []
     for time, name in depths.items():
         nearest = times[np.abs(times - time).argmin()] if times.size else np.inf
         if abs(nearest - time) <= TUM_GAP:
-            load = partial(frame_from_pair, path / name, path / colours[nearest], **how)
+            load = partial(
+                frame_from_pair, path / name, path / colours[nearest], **reading
+            )
             found.append(Source(f"{path.name}/{Path(name).stem}", load))
     if not found:
         raise ValueError(
@@ -131,7 +133,7 @@ def _tum_sequence(path: Path, given: Fields) -> list[Source]:
 
 
 def _tum_list(path: Path) -> dict[float, str]:
-    """Times, s, and names of the images that a list of the TUM benchmark holds."""
+    """Image names by time, s, from a list such as ``depth.txt`` of the TUM benchmark."""
     lines = path.read_text("utf-8", errors="replace").splitlines()
     rows = [line.split() for line in lines if line.strip() and not line.startswith("#")]
     try:
@@ -142,7 +144,7 @@ def _tum_list(path: Path) -> dict[float, str]:
         Path(name).is_absolute() or ".." in Path(name).parts for name in found.values()
     ):
         raise ValueError(
-            f"Expected lines of a time and a file name below it in {path}, got others. "
+            f"Expected times and names of files below its folder in {path}, got others. "
             "Fetch it again."
         )
     return found

@@ -14,7 +14,7 @@ from cmtof.types import Array, Numbers
 
 
 class Interval(NamedTuple):
-    """A value and the ends of its interval; floats or arrays of one shape."""
+    """A value and both ends of its confidence interval; floats or arrays of one shape."""
 
     value: Array
     low: Array
@@ -31,8 +31,8 @@ def ratio_interval(
     """95 % interval of a ratio of sums over frames, by percentiles over redrawn sets of frames.
 
     ``part`` and ``whole`` (..., F) are numerator and denominator of each frame, such as pixels
-    right and scored. With under ten frames or so
-    intervals are too narrow; with one they are NaN. A difference of two rates is
+    right and scored. With under ten frames or so intervals are too narrow; with one they are NaN.
+    A difference of two rates is
     ``ratio_interval(part - other, whole)``; it is known better than its two rates, as frames are
     hard for both.
 
@@ -68,7 +68,7 @@ def ratio_interval(
 
 
 def conformal_quantile(scores: Sequence[Array], level: float) -> float:
-    """Score up to which at least the share ``level`` of a new group's scores lies, on average.
+    """Score below which, on average, at least a share ``level`` of a new group's scores lies.
 
     ``scores`` holds an array of each of n groups, such as the pixels of a room; groups are alike
     and independent, scores within one are not. A new group's risk, the share of its scores above q,
@@ -88,7 +88,7 @@ def conformal_quantile(scores: Sequence[Array], level: float) -> float:
 
 
 class Reliability(NamedTuple):
-    """Answers in B bins of confidence: its mean, the share of right ones (NaN if empty), count."""
+    """Bins of confidence (B,): mean confidence, share of right answers, number of answers."""
 
     confidence: Array
     right: Array
@@ -106,7 +106,7 @@ class Reliability(NamedTuple):
 def reliability(
     confidence: ArrayLike, right: ArrayLike, *, bins: int = 20
 ) -> Reliability:
-    """Answers sorted by confidence, and how many of each bin are right.
+    """Share of right answers in each of ``bins`` bins of confidence, NaN where a bin is empty.
 
     ``confidence`` are probabilities in [0, 1], ``right`` whether each answer is right, of the same
     shape. ValueError if shapes differ or a confidence is no probability.
@@ -115,20 +115,23 @@ def reliability(
     >>> found.answers.tolist(), round(found.calibration_error, 3)
     ([1, 3], 0.2)
     """
-    said = np.ravel(np.asarray(confidence, float))
-    good = np.ravel(np.asarray(right, bool))
-    if said.shape != good.shape or not ((said >= 0) & (said <= 1)).all():
-        least = said.min(initial=np.inf)
-        most = said.max(initial=-np.inf)
+    confidences = np.ravel(np.asarray(confidence, float))
+    is_right = np.ravel(np.asarray(right, bool))
+    if (
+        confidences.shape != is_right.shape
+        or not ((confidences >= 0) & (confidences <= 1)).all()
+    ):
+        least = confidences.min(initial=np.inf)
+        most = confidences.max(initial=-np.inf)
         raise ValueError(
-            f"Expected a probability in [0, 1] for each of {good.size} answers, "
-            f"got {said.size} from {least:g} to {most:g}. Leave out what was not answered."
+            f"Expected a probability in [0, 1] for each of {is_right.size} answers, "
+            f"got {confidences.size} from {least:g} to {most:g}. Leave out what was not answered."
         )
-    place = np.minimum((said * bins).astype(int), bins - 1)
-    count = np.bincount(place, minlength=bins)
-    each = np.where(count > 0, count, np.nan)
+    bin_of = np.minimum((confidences * bins).astype(int), bins - 1)
+    count = np.bincount(bin_of, minlength=bins)
+    count_or_nan = np.where(count > 0, count, np.nan)
     return Reliability(
-        np.bincount(place, said, bins) / each,
-        np.bincount(place, good, bins) / each,
+        np.bincount(bin_of, confidences, bins) / count_or_nan,
+        np.bincount(bin_of, is_right, bins) / count_or_nan,
         count,
     )

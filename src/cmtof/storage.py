@@ -1,4 +1,4 @@
-"""Files of datasets: netCDF4, netCDF-3 and plain HDF5, read whole or in parts, written whole."""
+"""Files of datasets: read from netCDF4, netCDF-3 and plain HDF5, written as netCDF4."""
 
 import gc
 import json
@@ -28,21 +28,21 @@ _PLAIN = (str, int, float, np.number, np.ndarray)
 
 
 def save_dataset(dataset: Dataset, path: AnyPath) -> None:
-    """Write a dataset as netCDF4, beside first and then renamed; arrays are compressed.
+    """Write a dataset as compressed netCDF4, whole or not at all.
 
     The file is built in memory: HDF5 written to a full disk would end the process.
     """
     check_output(path, ".nc")
     encoding = {name: {"zlib": True, "complevel": 1} for name in dataset.data_vars}
-    attributes = {name: _attribute(value) for name, value in dataset.attrs.items()}
-    held = dataset.assign_attrs(attributes)
-    stored = held.to_netcdf(engine="h5netcdf", encoding=encoding)
+    attributes = {name: _storable(value) for name, value in dataset.attrs.items()}
+    encoded = dataset.assign_attrs(attributes)
+    stored = encoded.to_netcdf(engine="h5netcdf", encoding=encoding)
     with written_whole(path) as part:
         part.write_bytes(stored)
 
 
-def _attribute(value: Any) -> Any:
-    """An attribute as netCDF holds it: numbers and text as they are, others as JSON or text."""
+def _storable(value: Any) -> Any:
+    """The value as netCDF can store it: numbers and text as they are, others as JSON or text."""
     if isinstance(value, bool | np.bool_):
         return int(value)
     if isinstance(value, list | tuple):
@@ -56,49 +56,49 @@ def _attribute(value: Any) -> Any:
 
 @contextmanager
 def opened_dataset(path: AnyPath) -> Iterator[Dataset]:
-    """Open a netCDF file of which parts are to be loaded; a ValueError for whatever is wrong."""
+    """Open a netCDF file without loading its arrays; a ValueError for whatever is wrong."""
     path = check_input(path, "a measurement file")
-    heard, sys.unraisablehook = sys.unraisablehook, lambda _: None
+    hook, sys.unraisablehook = sys.unraisablehook, lambda _: None
     reason = None
     try:  # h5netcdf's destructor would print a traceback of its own for a damaged file
-        handle = _handle(path)
+        handle = _open_handle(path)
     except Exception as error:
-        reason = _damage(path, error)
+        reason = _error_of_file(path, error)
     finally:
         if reason:
             gc.collect()
-        sys.unraisablehook = heard
+        sys.unraisablehook = hook
     if reason:
         raise reason
     with handle:
-        yield _named(handle)
+        yield _with_dimension_names(handle)
 
 
-def _handle(path: Path) -> Dataset:
-    """Open a file, by its first bytes as netCDF-3 or as HDF5 that reaches into no other file."""
+def _open_handle(path: Path) -> Dataset:
+    """Open netCDF-3 or, by the first bytes of a file, HDF5 that links to no other file."""
     import h5py
 
     with path.open("rb") as file:
-        old = file.read(3) == b"CDF"
-    if old:
-        how: Fields = {"engine": "scipy"}
+        is_netcdf3 = file.read(3) == b"CDF"
+    if is_netcdf3:
+        options: Fields = {"engine": "scipy"}
     else:
-        how = {"engine": "h5netcdf", "phony_dims": "access"}
+        options = {"engine": "h5netcdf", "phony_dims": "access"}
         check_heaps(path)
         with h5py.File(path, "r") as whole:
             check_links(whole)
-    handle = open_dataset(path, decode_times=False, **how)
+    handle = open_dataset(path, decode_times=False, **options)
     check_claim(handle.nbytes, path.stat().st_size)
     return handle
 
 
-def _damage(path: object, error: Exception) -> ValueError:
-    """The one error, of one line, for whatever is wrong with a file."""
+def _error_of_file(path: object, error: Exception) -> ValueError:
+    """ValueError of one line for any error with which a netCDF file could not be read."""
     return broken("a whole netCDF4 file", path, error, "Write it again.")
 
 
-def _named(handle: Dataset) -> Dataset:
-    """The dataset with the dimensions that plain HDF5 does not name, by those of `VARIABLES`."""
+def _with_dimension_names(handle: Dataset) -> Dataset:
+    """The dataset with the dimensions of `VARIABLES` where plain HDF5 does not name them."""
     variables = {}
     for name, variable in handle.variables.items():
         dims = VARIABLES[str(name)].dims if name in VARIABLES else None
@@ -112,13 +112,15 @@ def _named(handle: Dataset) -> Dataset:
 
 
 def loaded(dataset: Dataset) -> Dataset:
-    """A part of an opened dataset in memory; a ValueError if its file is damaged."""
+    """The same part of an opened dataset, read into memory; a ValueError if its file is damaged."""
     try:
         return dataset.load()
     except (
         Exception
     ) as error:  # h5py raises OSError, KeyError and RuntimeError by kind of damage
-        raise _damage(dataset.encoding.get("source", "a part of it"), error) from error
+        raise _error_of_file(
+            dataset.encoding.get("source", "a part of it"), error
+        ) from error
 
 
 def read_dataset(path: AnyPath) -> Dataset:

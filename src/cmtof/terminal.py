@@ -1,4 +1,4 @@
-"""What the command line says: tables, a bar, errors, and text that any terminal can show."""
+"""Output of the command line: tables, a progress bar, errors, and text safe for any terminal."""
 
 import codecs
 import os
@@ -8,7 +8,7 @@ from collections.abc import Callable, Iterator, Mapping, Sequence
 from contextlib import contextmanager
 from pathlib import Path
 
-# What stands for a character where the output's encoding has none.
+# Replacements of characters that the output's encoding lacks.
 PLAIN = {
     "δ": "d",
     "σ": "sigma",
@@ -36,8 +36,8 @@ EXTRAS = {
 
 
 def prepare_streams() -> None:
-    """Make output survive an encoding without our characters, and streams that are closed."""
-    codecs.register_error("cmtof", _plainer)
+    """Let output work in encodings without our characters, and with closed streams."""
+    codecs.register_error("cmtof", _replace_unencodable)
     for name in ("stdout", "stderr"):
         stream = getattr(sys, name)
         if stream is None:  # closed, as some schedulers start a command
@@ -46,17 +46,17 @@ def prepare_streams() -> None:
             stream.reconfigure(errors="cmtof")
 
 
-def _plainer(error: UnicodeError) -> tuple[str, int]:
-    """Plain text for what could not be encoded, and where to go on."""
+def _replace_unencodable(error: UnicodeError) -> tuple[str, int]:
+    """Replacement of characters that cannot be encoded, and the position after them."""
     if not isinstance(error, UnicodeEncodeError):
         raise error
     missing = error.object[error.start : error.end]
-    plain = "".join(PLAIN.get(one, one) for one in missing)
+    plain = "".join(PLAIN.get(character, character) for character in missing)
     return plain.encode("ascii", "backslashreplace").decode(), error.end
 
 
 def shown(text: object) -> str:
-    r"""Text of a file or a name, with what would steer a terminal written out.
+    r"""Text in which control characters, which would steer a terminal, are escaped.
 
     >>> shown("a\x1b[31mb")
     'a\\x1b[31mb'
@@ -67,7 +67,7 @@ def shown(text: object) -> str:
 
 
 def error_line(error: Exception) -> str:
-    """One line for an error: bad input as it says itself, anything else as a defect."""
+    """Message of one line for an error; an error that is not of our pattern is called a defect."""
     if isinstance(error, OSError) and error.strerror:
         return (
             f"Expected to read or write {error.filename or 'a file'}, got «{error.strerror}». "
@@ -89,20 +89,20 @@ def error_line(error: Exception) -> str:
 
 @contextmanager
 def later() -> Iterator[None]:
-    """Delay Ctrl-C to the end of the block; processes begun inside never hear it.
+    """Context that delays Ctrl-C to its end; processes started inside ignore it.
 
     Packages catch it while they load, and a terminal sends it to workers too.
     """
-    heard = signal.pthread_sigmask(signal.SIG_BLOCK, {signal.SIGINT})
+    previous_mask = signal.pthread_sigmask(signal.SIG_BLOCK, {signal.SIGINT})
     try:
         yield
     finally:
-        signal.pthread_sigmask(signal.SIG_SETMASK, heard)
+        signal.pthread_sigmask(signal.SIG_SETMASK, previous_mask)
 
 
 @contextmanager
 def progress(total: int, quiet: bool) -> Iterator[Callable[..., None]]:
-    """Bar on stderr, advanced by each call; hidden when asked for, in CI, and in a pipe."""
+    """Context of a progress bar on stderr: a function that advances it, with a text."""
     from rich.console import Console
     from rich.markup import escape
     from rich.progress import Progress
@@ -122,7 +122,7 @@ def hidden() -> bool:
 
 
 def print_table(title: str, rows: Sequence[Mapping[str, object]]) -> None:
-    """Print a table of rows by the titles of their columns, their cells as they are."""
+    """Print a table of rows, each a mapping from titles of columns to cells."""
     from rich.console import Console
     from rich.table import Table
     from rich.text import Text

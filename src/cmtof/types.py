@@ -1,4 +1,4 @@
-"""Kinds of arrays and of values by name, for annotations."""
+"""Names of array and value types, for annotations."""
 
 from collections.abc import Mapping
 from typing import Any

@@ -62,10 +62,10 @@ def unwrap(
     chosen = find_method(method)
     if not 0 <= min_confidence <= 1:
         raise ValueError(
-            f"Expected a least confidence from 0 to 1, got {min_confidence}. Choose 0.5, say."
+            f"Expected min_confidence from 0 to 1, got {min_confidence}. Choose 0.5, say."
         )
     if range is not None:
-        measurement = _narrowed(measurement, *range)
+        measurement = _change_range(measurement, *range)
     estimate = chosen(measurement, **options)
     attributes = {
         "method": chosen.name,
@@ -80,53 +80,53 @@ def unwrap(
         },
         "version": measurement.dataset.attrs.get("version", ""),
     }
-    images = _images(estimate, measurement, min_confidence)
+    images = _result_variables(estimate, measurement, min_confidence)
     if chosen.sets:
-        images |= _doubts(images, estimate.components, measurement)
+        images |= _interval_variables(images, estimate.components, measurement)
     return Dataset(images, attrs=attributes)
 
 
-def _doubts(
+def _interval_variables(
     images: Fields, components: Components | None, measurement: Measurement
 ) -> Fields:
-    """Sets of wraps, and components with their odds unless the method went in tiles."""
+    """Intervals of wraps and, unless it worked in tiles, components: variables by name."""
     known = images["wrap_count"][1] >= 0
     sets = sets_of_wraps(images["confidence"][1], measurement)
-    found: Fields = {
+    variables: Fields = {
         name: (("y", "x"), np.where(known, most, -1).astype(np.int16))
         for name, most in sets.items()
     }
     if components:
         label, odds = components
-        found["component"] = ("y", "x"), np.where(known, label, 0).astype(np.int32)
-        found["component_odds"] = ("number", "offset"), odds.astype(np.float32)
-        found["number"] = "number", np.arange(len(odds)) + 1
-        found["offset"] = "offset", np.arange(odds.shape[1]) - odds.shape[1] // 2
-    return found
+        variables["component"] = ("y", "x"), np.where(known, label, 0).astype(np.int32)
+        variables["component_odds"] = ("number", "offset"), odds.astype(np.float32)
+        variables["number"] = "number", np.arange(len(odds)) + 1
+        variables["offset"] = "offset", np.arange(odds.shape[1]) - odds.shape[1] // 2
+    return variables
 
 
-def _images(
+def _result_variables(
     estimate: Estimate, measurement: Measurement, min_confidence: float
 ) -> Fields:
-    """Wrap count, depth and confidence of an estimate, the measured phase in every depth."""
+    """Wrap count, depth and confidence by name; depth is the measured phase plus whole wraps."""
     frequency = measurement.frequencies[0]
     phase = measurement.phase[0]
     mask = measurement.mask
     # the estimate of a masked pixel may be NaN
-    believed = within_range(
+    estimated_depth = within_range(
         np.where(mask, estimate.depth, measurement.range[0]), measurement
     )
     # wraps whose depth obeys min <= z < max
     ends = np.asarray(measurement.range) / wrap_length(frequency)
     first, last = np.ceil(ends[:, None, None] - phase / TAU - 1e-9)
-    wraps = consistent_wrap_count(believed, phase, frequency)
+    wraps = consistent_wrap_count(estimated_depth, phase, frequency)
     wraps = np.clip(wraps, first, np.maximum(first, last - 1))
     depth = depth_from_wraps(phase, wraps, frequency)
-    sure = np.where(mask, estimate.confidence, 0).astype(
+    confidence = np.where(mask, estimate.confidence, 0).astype(
         np.float32
     )  # as it is stored and scored
-    mask &= sure >= min_confidence
-    count = np.where(mask, wrap_count_from_depth(believed, frequency), -1)
+    mask &= confidence >= min_confidence
+    count = np.where(mask, wrap_count_from_depth(estimated_depth, frequency), -1)
     dims = ("y", "x")
     return {
         "wrap_count": (dims, count.astype(np.int32)),
@@ -135,17 +135,17 @@ def _images(
             np.where(mask, depth, np.nan).astype(np.float32),
             {"units": "m"},
         ),
-        "confidence": (dims, sure),
+        "confidence": (dims, confidence),
     }
 
 
-def _narrowed(measurement: Measurement, low: float, high: float) -> Measurement:
-    """The measurement with a range asked for, m, which has to meet its own."""
-    held = measurement.range
-    if not (0 <= low < high and high > held[0] and low < held[1]):
+def _change_range(measurement: Measurement, low: float, high: float) -> Measurement:
+    """The measurement with another range, m; a ValueError unless it overlaps the old one."""
+    old = measurement.range
+    if not (0 <= low < high and high > old[0] and low < old[1]):
         raise ValueError(
-            f"Expected a range 0 <= MIN < MAX in m that meets the data's {held[0]:.3f} to "
-            f"{held[1]:.3f}, got {low:g} to {high:g}. "
+            f"Expected a range 0 <= MIN < MAX in m that meets the data's {old[0]:.3f} to "
+            f"{old[1]:.3f}, got {low:g} to {high:g}. "
             "Widen or move it."
         )
     return measurement.between(low, high)
@@ -154,7 +154,7 @@ def _narrowed(measurement: Measurement, low: float, high: float) -> Measurement:
 def unwrap_file(
     source: AnyPath, output: AnyPath, *, tile: int = 0, margin: int = 128, **how: Any
 ) -> Iterator[Unwrapped]:
-    """Unwrap a file into a ``.nc``, at once or, of a ``.nc`` larger than memory, in square tiles.
+    """Unwrap a file into a ``.nc``; a ``.nc`` that is larger than memory in square tiles.
 
     A tile of ``tile`` px is unwrapped together with ``margin`` px around it, by `unwrap` with the
     options ``how``. Yields the share of each tile in the image, its measurement and its result;
@@ -171,38 +171,38 @@ def unwrap_file(
 def _unwrap_tiles(
     source: AnyPath, output: AnyPath, tile: int, margin: int, **how: Any
 ) -> Iterator[Unwrapped]:
-    """Unwrap a file in tiles, each with a margin around it, px."""
+    """Unwrap a file in tiles, each with a margin, px; yields as `unwrap_file` does."""
     import h5netcdf
 
     with opened_dataset(source) as handle, written_whole(output) as part:
-        held = structured(handle)
-        height = held.sizes["y"]
-        width = held.sizes["x"]
+        dataset = structured(handle)
+        height = dataset.sizes["y"]
+        width = dataset.sizes["x"]
         if shutil.disk_usage(part.parent).free < (
             need := 16 * height * width
         ):  # or HDF5 ends all
             raise OSError(
-                f"Expected {need} bytes free for {output}, got less. Free some."
+                f"Expected {need} bytes of disk space for {output}, got less. Free some."
             )
         with h5netcdf.File(part, "w") as file:
             file.dimensions = {"y": height, "x": width}
-            for seen, inner, place in tiles(held, tile, margin):
-                found = unwrap(seen, **how).drop_dims(
+            for seen, inner, place in tiles(dataset, tile, margin):
+                result = unwrap(seen, **how).drop_dims(
                     ("number", "offset"), errors="ignore"
                 )
-                found = found.drop_vars("component", errors="ignore").isel(inner)
-                _write_tile(file, found, place)
-                file.attrs.update(found.attrs | {"tile": tile, "margin": margin})
+                result = result.drop_vars("component", errors="ignore").isel(inner)
+                _write_tile(file, result, place)
+                file.attrs.update(result.attrs | {"tile": tile, "margin": margin})
                 yield (
-                    found.depth.size / (height * width),
+                    result.depth.size / (height * width),
                     Measurement(seen.dataset.isel(inner)),
-                    found,
+                    result,
                 )
 
 
-def _write_tile(file: Any, found: Dataset, place: tuple[slice, slice]) -> None:
-    """Write the images of a tile to their place in a file of results."""
-    for name, image in found.items():
+def _write_tile(file: Any, result: Dataset, place: tuple[slice, slice]) -> None:
+    """Write the images of a tile to their place in an open h5netcdf file."""
+    for name, image in result.items():
         if name not in file.variables:
             file.create_variable(
                 name,

@@ -1,4 +1,4 @@
-"""Checks of inputs before any computation; each fault in one sentence."""
+"""Checks of inputs before any computation, each with an error of one sentence."""
 
 import json
 from typing import Any, TypeVar
@@ -9,13 +9,13 @@ from numpy.typing import ArrayLike, DTypeLike
 from cmtof.types import Array
 
 T = TypeVar("T")
-# Lowest and highest frequency that is believed to be a modulation's, Hz.
+# Lowest and highest modulation frequency that is accepted, Hz.
 LOWEST_FREQUENCY = 1e5
 HIGHEST_FREQUENCY = 1e12
 
 
 def checked(kind: type[T], values: Any, source: object) -> T:
-    """Plain values as a checked type of pydantic; a ValueError of one line names the first fault.
+    """Values converted to a type and checked by pydantic; a ValueError names the first fault.
 
     >>> checked(tuple[int, int], [1, "x"], "a.yml")
     Traceback (most recent call last):
@@ -44,7 +44,7 @@ def checked(kind: type[T], values: Any, source: object) -> T:
 
 
 def numbers(values: ArrayLike, what: str, dtype: DTypeLike = np.float64) -> Array:
-    """Values as a new array of floats; text, complex, structured and time types are refused.
+    """Values as a new array of floats; a ValueError for text, complex, structured and time types.
 
     >>> numbers(["1.0"], "depth")
     Traceback (most recent call last):
@@ -70,7 +70,7 @@ def check_claim(claimed: int, stored: int) -> None:
 
 
 def checked_frequencies(values: ArrayLike) -> Array:
-    """Modulation frequencies (F,), Hz; a ValueError unless they are sensible and rise."""
+    """Modulation frequencies (F,), Hz; a ValueError unless they rise and are plausible."""
     found = np.atleast_1d(numbers(values, "frequencies"))
     within = (found >= LOWEST_FREQUENCY) & (found <= HIGHEST_FREQUENCY)  # false for NaN
     if not (found.size and within.all() and (np.diff(found) > 0).all()):
@@ -83,7 +83,7 @@ def checked_frequencies(values: ArrayLike) -> Array:
 
 
 def checked_camera(values: ArrayLike, where: str) -> Array:
-    """Camera fx, fy, cx, cy and perhaps a skew, px; a ValueError unless they are possible."""
+    """Camera fx, fy, cx, cy (and skew), px; a ValueError unless finite with fx, fy > 0."""
     found = numbers(values, f"camera of {where}")
     known = found.shape in ((4,), (5,)) and np.isfinite(found).all()
     if not (known and (found[:2] > 0).all()):

@@ -10,7 +10,7 @@ import cmtof
 from cmtof import bounds
 from cmtof.classical import region
 from cmtof.classical.beat import guided_filter
-from cmtof.classical.kde import _densest, hypotheses
+from cmtof.classical.kde import _largest_density, hypotheses
 from cmtof.constants import FREQUENCIES
 from cmtof.correlation import TAU, phase_from_depth, wrap_length
 from cmtof.evaluation import score, scored_pixels
@@ -74,7 +74,7 @@ def test_densities_equal_the_sum_as_it_is_written(kernel, radius):
     bright = np.random.default_rng(0).uniform(0.1, 1, (11, 14))
     m = simulate(Frame(0.9 + 0.004 * x + 0.002 * y, bright), seed=1)
     direct = densities(m, kernel, radius)
-    found, best, total = _densest(m, kernel, radius)
+    found, best, total = _largest_density(m, kernel, radius)
     assert_allclose(best, direct.max(axis=2), atol=0.01 * direct.max())
     assert_allclose(total, direct.sum(axis=2), rtol=0.04)
     ranked = np.sort(direct, axis=2)

@@ -138,7 +138,7 @@ def test_a_torn_line_is_measured_again(stopped, whole, kept):
 
 def test_a_scan_begun_is_not_overwritten_nor_gone_on_with_otherwise(stopped):
     before = journal_path(stopped).read_bytes()
-    with raises(ValueError, match="Expected no scan begun, got 1 lines"):
+    with raises(ValueError, match="Expected no unfinished scan, got 1 lines"):
         take(stopped)
     with raises(ValueError, match="got another phases, 4"):
         take(stopped, rig=replace(RIG, phases=8), resume=True)

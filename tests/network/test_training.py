@@ -188,7 +188,7 @@ def test_crops_of_fine_tuning_move_over_the_classes(stored, stepped_wall):
     trained = load_weights(stored())
     view = tuning._view(trained, exact, wraps, exact.depth)
     rng = np.random.default_rng(0)
-    pieces = [tuning._piece(view, trained.network, 24, rng) for _ in range(30)]
+    pieces = [tuning._augmented_crop(view, trained.network, 24, rng) for _ in range(30)]
     _, label, phase, turns = map(np.stack, zip(*pieces, strict=True))
     known = label != IGNORED
     assert_allclose(np.exp(1j * (TAU * turns - phase))[known], 1, atol=1e-3)

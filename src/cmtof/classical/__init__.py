@@ -1,1 +1,1 @@
-"""Classical unwrapping methods, a method a function: measurement in, `Estimate` out."""
+"""Classical unwrapping methods: each is a function from a measurement to an `Estimate`."""

@@ -33,7 +33,7 @@ SMOOTHING = (
 
 
 class Synthetic(NamedTuple):
-    """The synthetic frequency of a pair: ``multiple`` k, |f_2 - k f_1| in Hz, and its sign."""
+    """Beat of two frequencies: multiple k, synthetic frequency |f_2 - k f_1|, Hz, and its sign."""
 
     multiple: int
     frequency: float
@@ -41,7 +41,7 @@ class Synthetic(NamedTuple):
 
 
 def synthetic_frequency(low: float, high: float) -> Synthetic:
-    """Beat of the higher frequency with the nearest multiple of the lower one.
+    """Synthetic frequency, Hz: that of the beat of ``high`` with the nearest multiple of ``low``.
 
     >>> synthetic_frequency(7.15e9, 14.32e9)
     Synthetic(multiple=2, frequency=20000000.0, sign=1)
@@ -50,14 +50,14 @@ def synthetic_frequency(low: float, high: float) -> Synthetic:
     difference = high - multiple * low
     if not difference:
         raise ValueError(
-            f"Expected frequencies that are no multiples, got {low:g} and {high:g} Hz. "
+            f"Expected frequencies, none a multiple of the other, got {low:g} and {high:g} Hz. "
             "Choose the method crt, or detune one of them."
         )
     return Synthetic(multiple, abs(difference), 1 if difference > 0 else -1)
 
 
 def beat_polar(measurement: Measurement) -> Arrays:
-    """Size ``|p_1| |p_2|``, counts^2, zero where unknown, and angle of the beat, rad, (H, W)."""
+    """Magnitude ``|p_1| |p_2|``, counts^2, 0 where unknown, and phase, rad, of the beat, (H, W)."""
     synthetic = synthetic_frequency(*measurement.frequencies[:2])
     low, high = measurement.phase[:2]
     size = np.nan_to_num(measurement.amplitude[0] * measurement.amplitude[1])
@@ -65,7 +65,7 @@ def beat_polar(measurement: Measurement) -> Arrays:
 
 
 def beat_phasor(measurement: Measurement) -> Complex:
-    """Phasor ``|p_1| |p_2| exp(i (phi_2 - k phi_1))`` (H, W), counts^2; zero where unknown."""
+    """Beat phasor ``|p_1| |p_2| exp(i (phi_2 - k phi_1))`` (H, W), counts^2; 0 where unknown."""
     size, angle = beat_polar(measurement)
     return size * np.exp(1j * angle)
 
@@ -77,7 +77,7 @@ def beat(measurement: Measurement, *, window: int = WINDOW) -> Estimate:
             f"Expected an odd window of 1 to 9999 px, got {window}. Try {WINDOW}."
         )
     phasor = beat_phasor(measurement)
-    return _averaged(
+    return _estimate_from_mean(
         uniform_filter(phasor, window), np.abs(phasor), window, measurement
     )
 
@@ -96,11 +96,13 @@ def beat_guided(measurement: Measurement) -> Estimate:
     weight = size / (size.mean() or 1.0) + 1e-6
     unit = quotient(phasor, size)
     filtered = guided_filter(unit, guides(measurement), weight, WINDOW, SMOOTHING)
-    return _averaged(filtered * uniform_filter(size, WINDOW), size, WINDOW, measurement)
+    return _estimate_from_mean(
+        filtered * uniform_filter(size, WINDOW), size, WINDOW, measurement
+    )
 
 
 def guides(measurement: Measurement) -> Array:
-    """Guides (6, H, W): log amplitude, coherence, and the cosine and sine of both slopes.
+    """Guide images (6, H, W): log amplitude, coherence, cosine and sine of both slopes.
 
     The wrapped phase cannot guide, its slope can: along an axis, the angle of ``sum p(x+1) conj
     p(x)`` over 11 x 11 px, p the phasor of the lowest frequency. The sum's length over that of
@@ -124,12 +126,12 @@ def guides(measurement: Measurement) -> Array:
 
 
 def quotient(above: NDArray[Any], below: Array) -> NDArray[Any]:
-    """Quotient of images; zero where the lower one is."""
+    """Quotient ``above / below`` of images of one shape; zero where ``below`` is not positive."""
     return np.divide(above, below, out=np.zeros_like(above), where=below > 0)
 
 
 def steps(phasor: Complex, axis: int) -> Complex:
-    """Each pixel's neighbour ahead times its own conjugate (H, W); zero at the end of an axis."""
+    """Phasor (H, W) of the next pixel along an axis times the pixel's conjugate; 0 at the end."""
     ahead = np.roll(phasor, -1, axis) * np.conj(phasor)
     np.moveaxis(ahead, axis, 0)[-1] = 0
     return ahead
@@ -138,27 +140,28 @@ def steps(phasor: Complex, axis: int) -> Complex:
 def guided_filter(
     values: Complex, guide: Array, weight: Array, window: int, smoothing: float
 ) -> Complex:
-    """Guided filter of complex values (H, W) by guides (G, H, W), weights > 0 (H, W)."""
+    """Complex values (H, W) after a guided filter with guides (G, H, W) and weights > 0 (H, W)."""
     total = uniform_filter(weight, window)
 
     def mean(image: NDArray[Any]) -> NDArray[Any]:
         return uniform_filter(weight * image, window) / total
 
-    middle = np.stack([mean(one) for one in guide])
-    centre = mean(values)
-    spread = _covariances(mean, guide, middle, smoothing)
-    shared = [
-        mean(one * values) - m * centre for one, m in zip(guide, middle, strict=True)
+    mean_guide = np.stack([mean(one) for one in guide])
+    mean_value = mean(values)
+    covariances = _covariances(mean, guide, mean_guide, smoothing)
+    with_values = [
+        mean(one * values) - m * mean_value
+        for one, m in zip(guide, mean_guide, strict=True)
     ]
-    slope = _solved(spread, np.stack(shared, axis=-1))
-    flat = mean(centre - (slope * middle).sum(axis=0))
+    slope = _solve(covariances, np.stack(with_values, axis=-1))
+    flat = mean(mean_value - (slope * mean_guide).sum(axis=0))
     return flat + sum(map(np.multiply, map(mean, slope), guide))
 
 
 def _covariances(
     mean: Callable[[Array], Array], guide: Array, middle: Array, smoothing: float
 ) -> Array:
-    """Covariances (H, W, G, G) of guides about their means, and a variance beside them."""
+    """Covariance matrices (H, W, G, G) of the guides in each window, plus ``smoothing`` times 1."""
     count, *shape = guide.shape
     spread = smoothing * np.broadcast_to(np.eye(count), (*shape, count, count))
     for i, j in zip(*np.tril_indices(count), strict=True):
@@ -167,10 +170,10 @@ def _covariances(
     return spread
 
 
-def _solved(matrix: Array, right: Complex) -> Complex:
-    """Solutions (G, H, W) of real systems (H, W, G, G) with complex right sides (H, W, G)."""
-    both = np.stack([right.real, right.imag], axis=-1)
-    fit = np.linalg.solve(matrix, both)
+def _solve(matrix: Array, right_side: Complex) -> Complex:
+    """Solutions (G, H, W) of real linear systems (H, W, G, G) with right sides (H, W, G)."""
+    real_and_imaginary = np.stack([right_side.real, right_side.imag], axis=-1)
+    fit = np.linalg.solve(matrix, real_and_imaginary)
     return np.moveaxis(fit[..., 0] + 1j * fit[..., 1], -1, 0)
 
 
@@ -182,25 +185,28 @@ def beat_depth(phase: Array, measurement: Measurement) -> Array:
     return within_range(middle + turns * wrap_length(synthetic.frequency), measurement)
 
 
-def _averaged(
+def _estimate_from_mean(
     mean: Complex, size: Array, window: int, measurement: Measurement
 ) -> Estimate:
-    """Estimate of an averaged beat, and the odds that noise and window leave its wrap right."""
+    """Estimate from an averaged beat phasor; its confidence allows for noise and sloping depth."""
     low, high = measurement.frequencies[:2]
     spread = noise_of_mean(mean, uniform_filter(size**2, window), window**2)
     depth = beat_depth(np.angle(mean), measurement)
     wraps = depth / wrap_length(low)
-    varied = np.maximum(
+    variance = np.maximum(
         uniform_filter(wraps**2, window) - uniform_filter(wraps, window) ** 2, 0
     )
     noise = np.hypot(
-        wrap_noise(0, spread, frequencies=(low, high)), BIAS * np.sqrt(varied)
+        wrap_noise(0, spread, frequencies=(low, high)), BIAS * np.sqrt(variance)
     )
     return Estimate(depth, rounding_odds(noise))
 
 
 def noise_of_mean(mean: Complex, power: Array, count: Array | int) -> Array:
-    """Noise, rad, of the angle of a mean of ``count`` phasors; infinite of one or of none."""
+    """Standard deviation, rad, of the phase of a mean phasor; infinite of fewer than two.
+
+    ``mean`` and ``power`` are the means of ``count`` phasors and of their squared magnitudes.
+    """
     length = np.abs(mean)
     scatter = np.maximum(power - length**2, 0)
     known = (count > 1.5) & (length > 0)
@@ -211,23 +217,25 @@ def noise_of_mean(mean: Complex, power: Array, count: Array | int) -> Array:
 
 
 def confirmed(depth: Array, odds: Array, measurement: Measurement) -> Estimate:
-    """Estimate with odds (H, W) of its wraps as far as the beat confirms the depth, calibrated.
+    """Estimate of a depth (H, W), m, whose ``odds`` are lowered where the beat contradicts it.
 
-    The beat of the pixel and that of the window about it have a say: where the angle that the depth
-    leaves of one is r > 2 standard deviations, of half a wrap at least, it takes
-    ``exp(2 - r^2 / 2)`` of the odds.
+    The beats of the pixel and of the window about it are compared with the depth: where one differs
+    by r > 2 standard deviations (half a wrap at least), the odds are multiplied by
+    ``exp(2 - r^2 / 2)``. Then they are calibrated by `CALIBRATION`.
     """
     synthetic = synthetic_frequency(*measurement.frequencies[:2])
     size, angle = beat_polar(measurement)
-    left = angle - phase_from_depth(depth, synthetic.frequency)
-    left -= TAU * np.rint(left / TAU)
+    difference = angle - phase_from_depth(depth, synthetic.frequency)
+    difference -= TAU * np.rint(difference / TAU)
     size /= size.max() or 1.0  # its squares are within single precision
-    size, left = np.where(measurement.mask, [size, left], 0).astype(np.float32)
-    mean = uniform_filter(size * (np.cos(left) + 1j * np.sin(left)), WINDOW)
-    around = noise_of_mean(mean, uniform_filter(size**2, WINDOW), WINDOW**2)
+    size, difference = np.where(measurement.mask, [size, difference], 0).astype(
+        np.float32
+    )
+    mean = uniform_filter(size * (np.cos(difference) + 1j * np.sin(difference)), WINDOW)
+    window_noise = noise_of_mean(mean, uniform_filter(size**2, WINDOW), WINDOW**2)
     low, high = phase_noise(measurement)
     least = np.pi * synthetic.frequency / measurement.frequencies[0]
-    noises = [around, np.hypot(synthetic.multiple * low, high)]
-    off = [np.angle(mean), left] / np.maximum(noises, least)
-    share = np.exp(np.minimum(2 - off**2 / 2, 0).sum(axis=0))
+    noises = [window_noise, np.hypot(synthetic.multiple * low, high)]
+    deviations = [np.angle(mean), difference] / np.maximum(noises, least)
+    share = np.exp(np.minimum(2 - deviations**2 / 2, 0).sum(axis=0))
     return Estimate(depth, np.interp(odds * share, *CALIBRATION))

@@ -21,7 +21,7 @@ from cmtof.estimate import Estimate, phase_noise, within_range, wraps_in_range
 from cmtof.measurement import Measurement
 from cmtof.types import Array, Numbers
 
-# Least noise of a misfit, rad: the phases are decoded from float32.
+# Least noise of a misfit, rad, that is assumed: the phases are decoded from float32.
 _FINEST = 2e-5
 
 
@@ -61,15 +61,15 @@ def crt_closed_form(measurement: Measurement) -> Estimate:
     wraps = q * pow(k2, -1, k1) % k1
     noise = depth_from_phase(phase_noise(measurement), frequencies[:, None, None])
     spread = np.maximum(np.hypot(*noise), 1e-12)
-    off = second - first - q * unit
+    misfit = second - first - q * unit
     return Estimate(
         depth_from_wraps(measurement.phase[0], wraps, low),
-        ndtr((unit / 2 - off) / spread) - ndtr((-unit / 2 - off) / spread),
+        ndtr((unit / 2 - misfit) / spread) - ndtr((-unit / 2 - misfit) / spread),
     )
 
 
 def nearest_wrap(measurement: Measurement) -> tuple[Numbers, Array]:
-    """Wraps in range whose depth best explains the higher phase, and the phase left over, rad.
+    """Wraps (H, W) in range that best fit the higher frequency's phase, and the misfit, rad.
 
     From wrap to wrap the remainder moves by the fraction of ``f_2 / f_1``, so that each turn has
     one best wrap: its zero, or the end of the range that lies nearest to it.
@@ -78,24 +78,27 @@ def nearest_wrap(measurement: Measurement) -> tuple[Numbers, Array]:
     first, last = wraps_in_range(measurement)
     phase = measurement.phase[:2] / TAU
     step = ratio - round(ratio)
-    start = phase[1] - ratio * phase[0] - step * first  # turns, at the first wrap
-    start -= np.rint(start)
-    wraps = np.zeros(start.shape, np.int64)
-    best = np.full(start.shape, np.inf)
+    first_misfit = phase[1] - ratio * phase[0] - step * first  # turns
+    first_misfit -= np.rint(first_misfit)
+    wraps = np.zeros(first_misfit.shape, np.int64)
+    best = np.full(first_misfit.shape, np.inf)
     turns = ceil(abs(step) * (last - first))
     for turn in range(-1, turns + 2):
-        zero = (start + np.sign(step) * turn) / (step or 1.0)
+        zero = (first_misfit + np.sign(step) * turn) / (step or 1.0)
         n = np.clip(np.rint(zero), 0, last - first).astype(np.int64)
-        left = start - step * n
-        left -= np.rint(left)
-        closer = np.abs(left) < np.abs(best)
+        misfit = first_misfit - step * n
+        misfit -= np.rint(misfit)
+        closer = np.abs(misfit) < np.abs(best)
         wraps = np.where(closer, n, wraps)
-        best = np.where(closer, left, best)
+        best = np.where(closer, misfit, best)
     return wraps + first, TAU * best
 
 
 def fused_depth(measurement: Measurement, wraps: Numbers, residual: Array) -> Array:
-    """Mean of both phases' depths (H, W), m, weighted by ``(f_i a_i)^2``, by `nearest_wrap`."""
+    """Depth (H, W), m: mean of both frequencies' depths, weighted by ``(f_i a_i)^2``.
+
+    ``wraps`` and ``residual``, rad, are those of `nearest_wrap`.
+    """
     low, high = measurement.frequencies[:2]
     phase = measurement.phase[0]
     amplitude = np.nan_to_num(measurement.amplitude[:2])
@@ -110,10 +113,10 @@ def fused_depth(measurement: Measurement, wraps: Numbers, residual: Array) -> Ar
 def _misfit_noise(
     measurement: Measurement, residual: Array, ratio: float, gap: float
 ) -> Array:
-    """Noise of the misfit of both phases (H, W), rad; ``gap`` parts that of two wraps.
+    """Standard deviation (H, W), rad, of the misfit, which changes by ``gap`` from wrap to wrap.
 
-    Where only phases were kept it is that of the residuals left over, if they are clearly smaller
-    than chance would leave them.
+    Where only phases were kept it follows from the residuals, if they are clearly smaller than
+    those of random phases.
     """
     noise = phase_noise(measurement)
     # infinite where nothing was measured: there every wrap is as likely
@@ -126,9 +129,9 @@ def _misfit_noise(
 
 
 def _posterior(measurement: Measurement, wraps: Numbers, residual: Array) -> Array:
-    """Share of the chosen wrap in the likelihood of all in range.
+    """Probability (H, W) of the chosen wrap: its likelihood over the sum of all in range.
 
-    Their sum is an integral while the beat does not repeat; else wraps may share their remainder.
+    While the beat does not repeat the sum is an integral; else wraps may share their remainder.
     """
     ratio = measurement.frequencies[1] / measurement.frequencies[0]
     first, last = wraps_in_range(measurement)

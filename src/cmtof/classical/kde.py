@@ -49,8 +49,8 @@ def kde(
         )
     low, high = measurement.frequencies[:2]
     first, _ = wraps_in_range(measurement)
-    label, best, total = _densest(measurement, kernel, radius)
-    dense = best > 1e-32  # else no neighbour has a say, and the least misfit decides
+    label, best, total = _largest_density(measurement, kernel, radius)
+    dense = best > 1e-32  # else no neighbour counts, and the least misfit decides
     wraps = np.where(dense, label + first, nearest_wrap(measurement)[0])
     phase = measurement.phase[:2]
     residual = centred(phase[1] - high / low * (phase[0] + TAU * wraps))
@@ -67,7 +67,7 @@ def kde_tuned(measurement: Measurement) -> Estimate:
 
 
 def hypotheses(measurement: Measurement) -> Iterator[Single]:
-    """Weight w_j (H, W) of every wrap in range, one after the other."""
+    """Weight w_j (H, W), 0 to 1, of each wrap in range, one after the other."""
     low, high = measurement.frequencies[:2]
     first, last = wraps_in_range(measurement)
     phase = measurement.phase[:2]
@@ -89,23 +89,23 @@ def hypotheses(measurement: Measurement) -> Iterator[Single]:
         yield reliability * np.exp(-left * left / 2)
 
 
-def _densest(
+def _largest_density(
     measurement: Measurement, kernel: float, radius: int
 ) -> tuple[Numbers, Array, Array]:
-    """Wrap (from 0) of the largest density, that density, and the sum over all wraps, (H, W).
+    """Index of the wrap of largest density, that density, and the densities' sum, each (H, W).
 
-    A cubic through nodes h/2 apart, each a blurred image, gives the density at the depths ``u + n``
-    of the pixel, u its phase in turns; it errs by 0.4 % of its peak.
+    A cubic through nodes h/2 apart, each a blurred image, gives the density at the depths
+    ``turns + n`` of the pixel, wraps; it errs by 0.4 % of its peak.
     """
-    u = (measurement.phase[0] / TAU).astype(np.float32)
+    turns = (measurement.phase[0] / TAU).astype(np.float32)
     nodes = max(2, ceil(2 / kernel))
-    cubic = _cubic_shares(u * nodes, nodes)
+    cubic = _cubic_shares(turns * nodes, nodes)
     images = _blurred_nodes(
-        [*hypotheses(measurement)], _kernels(u, kernel, nodes), radius
+        [*hypotheses(measurement)], _kernels(turns, kernel, nodes), radius
     )
-    label = np.zeros(u.shape, np.int64)
-    best = np.zeros_like(u)
-    total = np.zeros_like(u)
+    label = np.zeros(turns.shape, np.int64)
+    best = np.zeros_like(turns)
+    total = np.zeros_like(turns)
     before = next(images)
     here = next(images)
     for n, ahead in enumerate(images):
@@ -121,11 +121,11 @@ def _densest(
     return label, best, total
 
 
-def _kernels(u: Single, kernel: float, nodes: int) -> Single:
-    """Kernel (node, wrap, H, W) between the nodes of a wrap and the depths of wraps around it."""
+def _kernels(turns: Single, kernel: float, nodes: int) -> Single:
+    """Kernel (node, wrap, H, W), 0 to 1, from the depths of wraps around to the nodes of a wrap."""
     reach = ceil(4 * kernel)
     apart = np.arange(-reach, reach + 1) - np.arange(nodes)[:, None] / nodes
-    return np.exp(-(((u + apart[..., None, None]) / kernel) ** 2) / 2).astype(
+    return np.exp(-(((turns + apart[..., None, None]) / kernel) ** 2) / 2).astype(
         np.float32
     )
 
@@ -133,7 +133,7 @@ def _kernels(u: Single, kernel: float, nodes: int) -> Single:
 def _blurred_nodes(
     weights: list[Single], kernels: Single, radius: int
 ) -> Iterator[list[Single]]:
-    """Blurred images (H, W) of the nodes of each wrap, and of one more wrap at either end."""
+    """Densities (H, W) at the nodes of each wrap, and of one more wrap at either end, blurred."""
     span = kernels.shape[1]
     beyond = [np.zeros_like(weights[0])] * (span // 2 + 1)
     padded = [*beyond, *weights, *beyond]
@@ -145,7 +145,7 @@ def _blurred_nodes(
 
 
 def _gaussian_band(size: int, radius: int) -> csr_array:
-    """Sparse matrix (size, size) that blurs along one side, with zeros beyond the image."""
+    """Sparse matrix (size, size) that blurs along one axis by a Gaussian, zero beyond the image."""
     apart = np.arange(-radius, radius + 1)
     taps = np.exp(-((apart / max(radius / 2, 0.5)) ** 2) / 2)
     taps /= taps.sum()
@@ -155,12 +155,12 @@ def _gaussian_band(size: int, radius: int) -> csr_array:
 
 
 def _cubic_shares(place: Single, nodes: int) -> Single:
-    """Shares of the nodes -1 ... nodes + 1 in a cubic through the four about a place (H, W)."""
+    """Weights of the nodes -1 ... nodes + 1 in a cubic interpolation at places (H, W), in nodes."""
     cell = np.minimum(np.floor(place), nodes - 1)
-    f = place - cell
-    out = np.zeros((nodes + 3, *place.shape), np.float32)
+    fraction = place - cell
+    weights = np.zeros((nodes + 3, *place.shape), np.float32)
     around = range(-1, 3)
     for k in around:  # Lagrange's polynomials
-        share = prod((f - other) / (k - other) for other in around if other != k)
-        np.put_along_axis(out, cell.astype(int)[None] + k + 1, share[None], axis=0)
-    return out
+        share = prod((fraction - other) / (k - other) for other in around if other != k)
+        np.put_along_axis(weights, cell.astype(int)[None] + k + 1, share[None], axis=0)
+    return weights

@@ -1,4 +1,4 @@
-"""Two close frequencies and a look-up of their phases (Gupta et al. 2015), pixel by pixel.
+"""Depth from the phases of two close frequencies (Gupta et al. 2015), pixel by pixel.
 
 Light that took detours vanishes at high frequencies, so both are high, and their beat is low. The
 look-up finds the depth in range whose phasors match the measured ones best, weighted by amplitudes:
@@ -39,22 +39,22 @@ def phasor(measurement: Measurement) -> Estimate:
     phase = np.where(known, measurement.phase[:2], 0)
     amplitude = np.where(known, measurement.amplitude[:2], 0)
     best = np.full(measurement.shape, np.mean(measurement.range))
-    height = np.where(
+    best_value = np.where(
         known, -np.inf, np.inf
     )  # a pixel without signal stays in the middle
     for wraps in _candidates(phase, measurement):
         peak = _peak(phase, amplitude, wraps, low, high)
         depth = within_range(peak, measurement)
-        found = match(phase, amplitude, depth, (low, high))
-        best = np.where(found > height, depth, best)
-        height = np.maximum(found, height)
+        value = match(phase, amplitude, depth, (low, high))
+        best = np.where(value > best_value, depth, best)
+        best_value = np.maximum(value, best_value)
     return Estimate(best, _confidence(noise, measurement))
 
 
 def _candidates(phase: Array, measurement: Measurement) -> list[Array | int]:
-    """Wraps about the one that the beat gives, and those at the ends of the range.
+    """Wraps to compare: three about that of the beat, and two at each end of the range.
 
-    There a peak may be cut, as high as an inner one of less misfit.
+    A peak that the end cuts may be as high as an inner one of less misfit.
     """
     coarse = beat_depth(phase[1] - phase[0], measurement)
     turns = phase_from_depth(coarse, measurement.frequencies[0]) - phase[0]
@@ -64,7 +64,7 @@ def _candidates(phase: Array, measurement: Measurement) -> list[Array | int]:
 
 
 def _confidence(noise: Array, measurement: Measurement) -> Array:
-    """Odds that noise of the phases, rad, leaves the beat within half a wrap, not below a guess."""
+    """Probability that noise (2, H, W), rad, leaves the wrap right; not below `guess`."""
     frequencies = measurement.frequencies[:2]
     odds = wrap_probability(*np.clip(noise, 1e-9, 1e9), frequencies=frequencies)
     return np.maximum(odds, guess(measurement))
@@ -76,7 +76,7 @@ def match(
     depth: Array,
     frequencies: Pair,
 ) -> Array:
-    """F at depths (H, W), m, for phases, rad, and amplitudes, counts, (2, H, W)."""
+    """F (H, W), counts, at depths (H, W), m, for phases, rad, and amplitudes, counts, (2, H, W)."""
     pairs = zip(amplitude, frequencies, phase, strict=True)
     return sum(a * np.cos(phase_from_depth(depth, f) - p) for a, f, p in pairs)
 
@@ -88,15 +88,15 @@ def _peak(
     low: float,
     high: float,
 ) -> Array:
-    """Depth (H, W), m, of the peak of F at a wrap: the sum of both phasors and one Newton step."""
+    """Depth (H, W), m, of the peak of F at a wrap, from the phasors' sum and one Newton step."""
     depth = depth_from_phase(phase[0] + TAU * np.asarray(wraps), low)
     apart = phase[1] - phase_from_depth(depth, high)
     total = amplitude[0] + amplitude[1] * np.exp(1j * apart)
     depth = depth + depth_from_phase(np.angle(total), low)
-    slope = bend = np.zeros(depth.shape)
+    slope = curvature = np.zeros(depth.shape)
     for a, f, p in zip(amplitude, (low, high), phase, strict=True):
         off = phase_from_depth(depth, f) - p
         slope = slope - a * f * np.sin(off)
-        bend = bend + a * f**2 * np.cos(off)
-    step = np.clip(quotient(slope, bend) * low, -0.1, 0.1)
+        curvature = curvature + a * f**2 * np.cos(off)
+    step = np.clip(quotient(slope, curvature) * low, -0.1, 0.1)
     return depth + depth_from_phase(step, low)

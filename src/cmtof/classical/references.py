@@ -1,4 +1,4 @@
-"""References that know a part of the truth, and the accuracy that this allows.
+"""References that are given a part of the true depth: what accuracy that allows.
 
 `reference_depth` reads the true depth against the measured phase. The others know the shape of
 every true surface but not its place: phasors demodulated by the true depth, ``a_i exp(i (phi_i -
@@ -48,21 +48,21 @@ def reference_depth(measurement: Measurement) -> Estimate:
 
 def reference_offset(measurement: Measurement) -> Estimate:
     """True surfaces, one unknown offset each, found by the beat of the summed phasors."""
-    return _pooled(measurement, surfaces(_truth(measurement)))
+    return _estimate_from_shapes(measurement, surfaces(_truth(measurement)))
 
 
 def reference_contact(measurement: Measurement) -> Estimate:
     """True bodies, across creases, one unknown offset each, found by the beat of their phasors."""
-    return _pooled(measurement, bodies(_truth(measurement)))
+    return _estimate_from_shapes(measurement, bodies(_truth(measurement)))
 
 
 def reference_field(measurement: Measurement, *, side: int = SIDE) -> Estimate:
-    """True surfaces, of which each pixel pools what lies within a square of odd ``side``, px."""
-    return _pooled(measurement, surfaces(_truth(measurement)), side=side)
+    """True surfaces, their phasors summed in a square of odd ``side``, px, about each pixel."""
+    return _estimate_from_shapes(measurement, surfaces(_truth(measurement)), side=side)
 
 
 def surfaces(depth: Array) -> Numbers:
-    """Number of each pixel's surface (H, W): those connected between `bends`, or one that bends."""
+    """Number of each pixel's surface (H, W), connected between `bends`; those stand alone."""
     boundary = bends(depth)
     numbers = np.zeros(depth.shape, np.intp)
     label(~boundary, output=numbers)
@@ -71,9 +71,10 @@ def surfaces(depth: Array) -> Numbers:
 
 
 def bodies(depth: Array) -> Numbers:
-    """Number of each pixel's body (H, W): components of pixels without a jump between them.
+    """Number of each pixel's body (H, W): connected by steps of depth that are no jumps.
 
-    No jump is a step within 4 mm of none, or of the step before or behind it, as across a crease.
+    A step is no jump if it is below 4 mm, or differs by less from the step before or after it, as
+    at a crease.
     """
     links = []
     for axis in (0, 1):
@@ -92,21 +93,26 @@ def _truth(measurement: Measurement) -> Array:
     return measurement.depth.astype(float)
 
 
-def _pooled(measurement: Measurement, surface: Numbers, side: int = 0) -> Estimate:
-    """Estimate of true shapes where phasors summed over surfaces place them."""
+def _estimate_from_shapes(
+    measurement: Measurement, surface: Numbers, side: int = 0
+) -> Estimate:
+    """Estimate of surfaces of true shape, at offsets from the phasors summed over each.
+
+    With an odd ``side``, px, phasors are summed only over a square about each pixel.
+    """
     truth = _truth(measurement)
     known = np.isfinite(truth)
     shape = np.nan_to_num(truth)
     # turned back by the true depth; zero where it is unknown
-    turned = phase_from_depth(shape, measurement.frequencies[:2, None, None])
+    true_phase = phase_from_depth(shape, measurement.frequencies[:2, None, None])
     amplitude = np.nan_to_num(measurement.amplitude[:2])
-    phasors = amplitude * np.exp(1j * (measurement.phase[:2] - turned))
+    phasors = amplitude * np.exp(1j * (measurement.phase[:2] - true_phase))
     if side:
         sums = [_pool_within(one, surface, side) for one in phasors]
         middle = shape
     else:
-        wholes = [pool(one, surface) for one in phasors]
-        sums = [Pooled(one.phase[surface], one.spread[surface]) for one in wholes]
+        pools = [pool(one, surface) for one in phasors]
+        sums = [Pooled(one.phase[surface], one.spread[surface]) for one in pools]
         middle = mean_over(shape, surface, known & measurement.mask)[surface]
     depth = shape + _offset(sums, middle, measurement)
     odds = wrap_probability(
@@ -117,7 +123,7 @@ def _pooled(measurement: Measurement, surface: Numbers, side: int = 0) -> Estima
 
 
 def _offset(sums: list[Pooled], middle: Array, measurement: Measurement) -> Array:
-    """Offset (H, W), m, of shapes about ``middle``, m, from the sums of both frequencies."""
+    """Offset (H, W), m, to add to a shape of mean depth ``middle``, m, from both summed phasors."""
     low, high = measurement.frequencies[:2]
     synthetic = synthetic_frequency(low, high)
     beat = synthetic.sign * (sums[1].phase - synthetic.multiple * sums[0].phase)
@@ -125,14 +131,14 @@ def _offset(sums: list[Pooled], middle: Array, measurement: Measurement) -> Arra
 
 
 def _pool_within(phasors: Complex, surface: Numbers, side: int) -> Pooled:
-    """Sum of phasors (H, W) over each pixel's surface within a square: angles, spreads (H, W)."""
+    """Phase and its spread (H, W), rad, of phasors summed over surface and square of each pixel."""
     phase = np.angle(phasors)
     spread = np.full(phasors.shape, np.inf)
     for place, inside in _pieces(surface):
-        ours = np.where(inside, phasors[place], 0)
+        own_phasors = np.where(inside, phasors[place], 0)
         share = np.maximum(_square_mean(inside.astype(float), side), 0.5 / side**2)
-        mean = _square_mean(ours, side) / share
-        power = _square_mean(np.abs(ours) ** 2, side) / share
+        mean = _square_mean(own_phasors, side) / share
+        power = _square_mean(np.abs(own_phasors) ** 2, side) / share
         noise = noise_of_mean(mean, power, np.maximum(share * side**2, 1))
         known = inside & np.isfinite(noise)
         phase[place][inside] = np.angle(mean)[inside]
@@ -141,12 +147,12 @@ def _pool_within(phasors: Complex, surface: Numbers, side: int) -> Pooled:
 
 
 def _square_mean(image: NDArray, side: int) -> NDArray:
-    """Mean of an image (H, W), zero outside, over a square of odd ``side``, px."""
+    """Mean of an image (H, W), zero outside, over a square of odd ``side``, px, at each pixel."""
     return uniform_filter(image, side, mode="constant")
 
 
 def _pieces(surface: Numbers) -> Iterator[tuple[Any, Flags]]:
-    """Bounding box of each surface of two pixels and more, and which pixels in it are its own."""
+    """Bounding box of each surface of two or more pixels, and its pixels in the box."""
     size = np.bincount(surface.ravel())
     number = np.where(size > 1, np.cumsum(size > 1), 0)[
         surface

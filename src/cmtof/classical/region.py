@@ -1,4 +1,4 @@
-"""Spatial unwrapping of one frequency, alone and cut into regions with one pooled beat each.
+"""Spatial unwrapping of one frequency, alone or in regions, each placed by its summed beat.
 
 Unwrapped over the image, one frequency gives the shape of each surface but for whole wraps; pooled
 over a region, the beat gives those. It fails where regions leak: a depth jump that is small modulo
@@ -44,7 +44,7 @@ _SMALLEST = 100  # px, below which a region takes the depth of a larger one besi
 
 
 class Pooled(NamedTuple):
-    """Angles of summed phasors and their deviation, rad; infinite for a single pixel."""
+    """Phase of summed phasors and its standard deviation, rad; infinite for a single pixel."""
 
     phase: Array
     spread: Array
@@ -98,22 +98,26 @@ def region(measurement: Measurement) -> Estimate:
 
 
 def _beat_phase(depth: Array, frequencies: Array) -> Array:
-    """Phase of the beat, rad, of depths, m."""
+    """Unwrapped phase of the beat, rad, at depths, m."""
     return phase_from_depth(depth, synthetic_frequency(*frequencies).frequency)
 
 
 def _offset_odds(
-    sums: Complex, of: Numbers, spread: Array, offset: Array, frequencies: Array
+    sums: Complex, region_of: Numbers, spread: Array, offset: Array, frequencies: Array
 ) -> Array:
-    """Odds (S,) of offsets by the scatter of the patches and what their middle one leaves."""
-    left = sums * np.exp(-1j * _beat_phase(offset, frequencies)[of])
-    middle = median(np.angle(left), of, np.arange(offset.size))
+    """Probability (S,) that offsets (S,), m, of regions are right, by the phases of their patches.
+
+    Their scatter ``spread``, rad, and the misfit of the median patch count. ``sums`` are of
+    `patches`, and ``region_of`` is the region of each.
+    """
+    rest = sums * np.exp(-1j * _beat_phase(offset, frequencies)[region_of])
+    middle = median(np.angle(rest), region_of, np.arange(offset.size))
     spread = SPREADS * np.hypot(spread, middle)
     return wrap_probability(0, spread, frequencies=tuple(frequencies))
 
 
 def _links(phase: Array, bright: Array, inside: Flags) -> list[Flags]:
-    """Links to the next row and the next column, where neither phase nor amplitude steps."""
+    """True where a pixel is linked to the next row or column: phase and amplitude do not step."""
     links = []
     for axis in (0, 1):
         gentle = abs(np.diff(phase, axis=axis)) <= STEP
@@ -123,7 +127,7 @@ def _links(phase: Array, bright: Array, inside: Flags) -> list[Flags]:
 
 
 def relative_phase(measurement: Measurement) -> Array:
-    """Phase (H, W) of the lowest frequency without wraps inside the mask, rad, up to 2 pi m."""
+    """Spatially unwrapped phase (H, W), rad, of the lowest frequency, but for multiples of 2 pi."""
     from skimage.restoration import unwrap_phase
 
     mask = measurement.mask
@@ -137,7 +141,7 @@ def relative_phase(measurement: Measurement) -> Array:
 
 
 def components(down: Flags, across: Flags) -> Numbers:
-    """Number of each pixel's component (H, W) from links to the next row and the next column."""
+    """Number of each pixel's connected component (H, W), from links to the next row and column."""
     shape = (across.shape[0], down.shape[1])
     index = np.arange(shape[0] * shape[1]).reshape(shape)
     rows = np.concatenate([index[:-1][down], index[:, :-1][across]])
@@ -149,19 +153,19 @@ def components(down: Flags, across: Flags) -> Numbers:
 
 
 def patches(phasors: Complex, number: Numbers) -> tuple[Complex, Numbers]:
-    """Sums of phasors (H, W) over the parts (P,) of regions in squares, and the region of each.
+    """Sums (P,) of phasors (H, W) over patches, each a region's part in a square; region of each.
 
     A square is a twelfth of the image wide: what leaks into a region fills whole ones, and the
     scatter of these sums tells of it as well as of the noise.
     """
     row, column = np.indices(number.shape) // max(1, max(number.shape) // 12)
     place = number * number.size + row * number.shape[1] + column
-    part, of = np.unique(place, return_inverse=True)
-    return sum_over(phasors, of), part // number.size
+    part, patch_of = np.unique(place, return_inverse=True)
+    return sum_over(phasors, patch_of), part // number.size
 
 
 def pool(phasors: Complex, number: Numbers) -> Pooled:
-    """Sum of demodulated phasors over each region; the noise is what lies across the sum."""
+    """Phase of the summed phasors of each region, and its spread, from the parts across the sum."""
     size = np.bincount(number.ravel())
     total = sum_over(phasors, number)
     phase = np.angle(total)
@@ -178,9 +182,10 @@ def pool(phasors: Complex, number: Numbers) -> Pooled:
 def whole_wraps(
     beat: Array, middle: Array, measurement: Measurement, fraction: Array | float = 0.0
 ) -> Array:
-    """Offset of each region (S,), m, nearest to its demodulated beat's: whole wraps and a fraction.
+    """Offset (S,), m, of each region: the whole wraps plus ``fraction``, m, nearest to its beat.
 
-    The ``middle`` depth, m, is in range with its offset.
+    ``beat`` is the phase that is left after the shape, rad; ``middle`` is the mean depth of the
+    shape, m, which comes into the range with the offset.
     """
     turned = _beat_phase(middle, measurement.frequencies[:2])
     coarse = beat_depth(beat + turned, measurement) - middle
@@ -189,13 +194,13 @@ def whole_wraps(
 
 
 def sum_over(values: NDArray, number: Numbers) -> NDArray:
-    """Sum of values (H, W) over each region (S,)."""
+    """Sums (S,) of values (H, W) over each region of the map ``number`` (H, W)."""
     total = np.zeros(number.max() + 1, values.dtype)
     np.add.at(total, number, values)
     return total
 
 
 def mean_over(values: NDArray, number: Numbers, counted: Flags) -> Array:
-    """Mean of the counted values (H, W) over each region (S,); zero where none counts."""
+    """Means (S,) of the values (H, W) that are ``counted`` over each region; zero where none is."""
     size = sum_over(counted.astype(float), number)
     return sum_over(np.where(counted, values, 0), number) / np.maximum(size, 1)

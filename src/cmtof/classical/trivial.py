@@ -1,4 +1,4 @@
-"""Trivial answers, to compare methods with."""
+"""Estimates that ignore what was measured, as baselines for other methods."""
 
 import numpy as np
 

@@ -29,7 +29,7 @@ def choice(
     weights: Annotated[File, Option(help="Own .safetensors (learned methods).")] = None,
     tile: Annotated[int, Option(min=0, help="Side of tiles, px, of a large .nc.")] = 0,
 ) -> None:
-    """Options of an unwrapping."""
+    """Options that choose and set the unwrapping method, shared by commands through `grouped`."""
 
 
 @grouped(choice)
@@ -58,42 +58,42 @@ def unwrap(
         [output / f"{path.stem}.nc" for path in measurement] if several else [output]
     )
     _check_distinct([*measurement, *targets, *([ply] if ply else [])])
-    one = not (choice["tile"] or several)
-    if ply is not None and not one:
+    whole_file = not (choice["tile"] or several)
+    if ply is not None and not whole_file:
         raise ValueError(
-            "Expected one file, seen at once, for --ply, got more. Leave --ply out."
+            "Expected one file without tiles for --ply, got several or --tile. Leave --ply out."
         )
-    how = {name: value for name, value in choice.items() if value is not None}
+    options = {name: value for name, value in choice.items() if value is not None}
     if several:
         output.mkdir(exist_ok=True)
     for target in targets:
         check_output(target, ".nc")
-    with progress(len(targets), quiet or one) as advance:
+    with progress(len(targets), quiet or whole_file) as advance:
         rows = [
-            _unwrapped(path, target, ply, how, advance)
+            _unwrap_one(path, target, ply, options, advance)
             for path, target in zip(measurement, targets, strict=True)
         ]
-    print_table(f"method {how['method']}, into {output}", rows)
+    print_table(f"method {options['method']}, into {output}", rows)
 
 
 def _check_distinct(paths: list[Path]) -> None:
-    """Raise a ValueError if two of inputs and outputs are one file."""
-    real = {os.path.realpath(path) for path in paths}  # of a circle of links, too
+    """Raise a ValueError if two of the inputs and outputs are the same file."""
+    real = {os.path.realpath(path) for path in paths}  # also for a circle of links
     if len(real) < len(paths):
         raise ValueError(
-            f"Expected another file for each of inputs and outputs, got {paths[0].name} twice. "
+            f"Expected different files as inputs and outputs, got {paths[0].name} twice. "
             "Name another."
         )
 
 
-def _unwrapped(
+def _unwrap_one(
     path: Path,
     target: Path,
     ply: Path | None,
     how: dict[str, Any],
     advance: Callable[..., None],
 ) -> dict[str, str]:
-    """Unwrap a file; return its line of the table."""
+    """Unwrap a file; return its row of the table: cells by title."""
     from cmtof.evaluation import Tally, scored_pixels
     from cmtof.pointcloud import write_ply
     from cmtof.unwrapping import unwrap_file
@@ -117,8 +117,8 @@ def _unwrapped(
             )
             print(f"{ply}: {points} points")
         advance(path.name, share)
-    told = {"file": path.name, "valid": f"{valid / size:.1%}"}
-    return told | _rates(tally.score()) if tally.frames else told
+    row = {"file": path.name, "valid": f"{valid / size:.1%}"}
+    return row | _rates(tally.score()) if tally.frames else row
 
 
 @grouped(conditions, reading)
@@ -156,11 +156,11 @@ def evaluate(
         for one in sets:
             _add_frames(evaluation, one, advance)
     if evaluation.frames:
-        _tell(evaluation.report(), json_file)
+        _report_scores(evaluation.report(), json_file)
     for one in sets:  # each must hold a frame that loads
         if len(one.skipped) == len(one.sources):
             raise ValueError(next(iter(one.skipped.values())))
-    _name_missing(evaluation.missing)
+    _print_missing(evaluation.missing)
     if evaluation.missing and method != "all":
         sys.exit(1)
 
@@ -168,7 +168,7 @@ def evaluate(
 def _add_frames(
     evaluation: "Evaluation", frames: "Frames", advance: Callable[[str], None]
 ) -> None:
-    """Run every method on each frame; one that fails is noted, and takes no other with it."""
+    """Run every method on each frame; a frame that fails is noted, and the others go on."""
     for frame in frames:
         try:
             for done in evaluation.add(frame):
@@ -179,16 +179,16 @@ def _add_frames(
         evaluation.notes[f"skipped {name}"] = why
 
 
-def _name_missing(missing: Mapping[str, ModuleNotFoundError]) -> None:
-    """Say in one line for each package which methods need it."""
-    users: dict[str, list[str]] = {}
+def _print_missing(missing: Mapping[str, ModuleNotFoundError]) -> None:
+    """Print one line on stderr per missing package: the methods left out for want of it."""
+    methods_by_line: dict[str, list[str]] = {}
     for name, error in missing.items():
-        users.setdefault(error_line(error), []).append(name)
-    for line, names in users.items():
+        methods_by_line.setdefault(error_line(error), []).append(name)
+    for line, names in methods_by_line.items():
         print(shown(f"cmtof: left out {', '.join(names)}. {line}"), file=sys.stderr)
 
 
-def _tell(report: dict[str, Any], json_file: File) -> None:
+def _report_scores(report: dict[str, Any], json_file: File) -> None:
     """Write a report as JSON where that is asked for, and print its tables."""
     if json_file is not None:
         with written_whole(json_file) as part:
@@ -207,7 +207,7 @@ def _tell(report: dict[str, Any], json_file: File) -> None:
 
 
 def _rates(scores: dict[str, float]) -> dict[str, str]:
-    """Rates and error of a method as they are printed, by their title."""
+    """Rates and median error of a method as text, by the titles of the table's columns."""
     titles = {f"δ<{k}": f"delta_lt_{k}" for k in (1, 2, 3)}
     titles |= {"δ≥10": "delta_ge_10", "consistent": "consistent_lt_1"}
     found = {title: f"{scores[key]:.1%}" for title, key in titles.items()}
@@ -260,5 +260,5 @@ def replicate(
     print(f"{output}: Fig. 10, {'drawn' if output.is_file() else 'needs cmtof[plot]'}")
     if failed:
         raise ValueError(
-            f"Expected every line to pass, got {failed} FAIL. Compare versions."
+            f"Expected every line to pass, got {failed} FAIL. Compare versions (cmtof info)."
         )

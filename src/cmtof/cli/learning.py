@@ -1,4 +1,4 @@
-"""Commands for learned methods: rooms to train on, and training."""
+"""Commands that render rooms and train networks."""
 
 from pathlib import Path
 from typing import Annotated, Any
@@ -18,7 +18,7 @@ def rooms(
         float | None, Option(help="Focal length, px. Default: 35 to 60°.")
     ] = None,
 ) -> None:
-    """Options of a set of rooms."""
+    """Options of a set of rooms, which a command takes through `grouped`."""
 
 
 @grouped(rooms)
@@ -63,7 +63,7 @@ def recipe(
     protocol: Annotated[str | None, Option(help="released or full.")] = None,
     seed: Annotated[int | None, SEED] = None,
 ) -> None:
-    """Options that change a recipe."""
+    """Options that replace values of a recipe."""
 
 
 def leg(
@@ -78,7 +78,7 @@ def leg(
     num_nodes: Annotated[int, Option(min=1, help="Machines.")] = 1,
     strategy: Annotated[str, Option(help="Lightning's: auto, ddp.")] = "auto",
 ) -> None:
-    """Options of a run that leave its outcome alone."""
+    """Options of one run, which may be a part of a training, that do not change its result."""
 
 
 @grouped(recipe, leg)

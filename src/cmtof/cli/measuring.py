@@ -1,4 +1,4 @@
-"""Commands that make measurements, and look into files."""
+"""Commands that simulate or scan a measurement, and list the content of files."""
 
 import os
 import sys
@@ -56,7 +56,7 @@ def rehearsal(
     seed: Annotated[int | None, SEED] = None,
     log: Annotated[File, Option(help="File of all requests and replies.")] = None,
 ) -> None:
-    """Options of the instrument: simulated, or with a log."""
+    """Options of a scan: with a simulated instrument, or with a log."""
 
 
 @grouped(rehearsal)
@@ -87,7 +87,7 @@ def scan(
     plan = planned(Rig.default() if rig is None else Rig.load(rig), size=size)
     bench = _opener(plan.rig, "" if rig else "still_life", **rehearsal)
     if check:
-        _check_up(bench)
+        _print_states_and_exit(bench)
     if output is None:
         raise ValueError("Expected an output, got none. Add -o m.nc.")
     try:
@@ -108,30 +108,32 @@ def scan(
 
 def _opener(
     rig: "Rig",
-    usual: str,
+    default_scene: str,
     *,
     twin: bool,
     scene: str | None,
     seed: int | None,
     log: File,
 ) -> Callable[[], Any]:
-    """Maker of a bench of real devices or, with a twin, of simulated ones before a scene."""
+    """Function that opens a bench of real devices or, for a twin, of simulated ones."""
     if twin:
         from cmtof_lab.rehearsal import simulated_bench
 
-        return partial(simulated_bench, rig, scene or usual or None, seed=seed or 0)
+        return partial(
+            simulated_bench, rig, scene or default_scene or None, seed=seed or 0
+        )
     if (seed, scene) != (None, None):
         raise ValueError(
             "Expected --scene and --seed with --twin, got a RIG file. Leave them out."
         )
     from cmtof.hardware.connect import connected_bench
 
-    told = log.open("w", encoding="utf-8") if log else None
-    return partial(connected_bench, rig, told)
+    log_file = log.open("w", encoding="utf-8") if log else None
+    return partial(connected_bench, rig, log_file)
 
 
-def _check_up(bench: Callable[[], Any]) -> None:
-    """Print what every device reports, and end with exit code 1 where one is not as expected."""
+def _print_states_and_exit(bench: Callable[[], Any]) -> None:
+    """Print what every device reports; exit with 1 if one is not as expected, else with 0."""
     from cmtof.hardware.checkup import states_of
 
     with bench() as on:
@@ -161,11 +163,13 @@ def info(
             return
         text = StringIO()
         if path.suffix == ".nc":
-            with opened_dataset(path) as held:
-                held.info(text)
-                if "component_odds" in held:
+            with opened_dataset(path) as dataset:
+                dataset.info(text)
+                if "component_odds" in dataset:
                     odds = (
-                        held["component_odds"].sel(offset=slice(-2, 2))[:10].to_pandas()
+                        dataset["component_odds"]
+                        .sel(offset=slice(-2, 2))[:10]
+                        .to_pandas()
                     )
                     print(
                         "Odds of the largest components to lie so many wraps farther:"

@@ -1,4 +1,4 @@
-"""Options that several commands have."""
+"""Options that several commands share."""
 
 from collections.abc import Callable
 from functools import wraps
@@ -14,12 +14,12 @@ File = Path | None
 
 
 def to_write(named: str, *flags: str, text: str) -> Any:
-    """Option of a file to write, which is checked before anything is computed for it."""
+    """Option of a file to write, which is checked before anything is computed."""
 
     def check(path: File) -> File:
         free = (
             named != ".nc" and path and not path.exists()
-        )  # what is replaced must be alike
+        )  # a file is replaced only if its name has the suffix
         return path and check_output(path, *[] if free else [named]) and path
 
     return Option(*flags, help=text, callback=check)
@@ -75,7 +75,7 @@ def reading(
 
 
 def grouped(*groups: Callable[..., None]) -> Callable[[Callable], Callable]:
-    """Give a command the parameters of functions as options; it gets a dict for each function."""
+    """Decorator: a command gets the parameters of each function as options, and as one dict."""
     options = {group.__name__: signature(group).parameters for group in groups}
 
     def decorated(command: Callable[..., None]) -> Callable[..., None]:
@@ -85,10 +85,12 @@ def grouped(*groups: Callable[..., None]) -> Callable[[Callable], Callable]:
                 given[group] = {name: given.pop(name) for name in names}
             command(**given)
 
-        own = signature(command)
-        plain = [one for name, one in own.parameters.items() if name not in options]
+        own_signature = signature(command)
+        plain = [
+            one for name, one in own_signature.parameters.items() if name not in options
+        ]
         shared = [one for names in options.values() for one in names.values()]
-        vars(run)["__signature__"] = own.replace(parameters=[*plain, *shared])
+        vars(run)["__signature__"] = own_signature.replace(parameters=[*plain, *shared])
         return run
 
     return decorated

@@ -1,1 +1,1 @@
-"""The instrument: transports, codecs, drivers, the rig, the scan, and a simulated twin."""
+"""The instrument: drivers, rig settings, scans, calibration, and reduction to measurements."""

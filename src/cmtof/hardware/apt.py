@@ -1,4 +1,4 @@
-"""Motors behind Thorlabs APT controllers: KDC101 with MTS50-Z8 or PRM1-Z8, and K10CR1.
+"""Driver of motors with Thorlabs APT controllers: KDC101 (MTS50-Z8, PRM1-Z8) and K10CR1.
 
 Messages are those of thorlabs-apt-protocol. A controller speaks unasked (MOVE_COMPLETED,
 MOVE_HOMED): the end of a move is read from the status bits, and the position is read back.
@@ -52,7 +52,7 @@ MOTORS = {name: SimpleNamespace(**found) for name, found in KINDS.items()}
 
 
 def open_controller(address: str, timeout: float = 1.0) -> Any:
-    """Open a controller's port for this program alone, without what it still holds.
+    """Open a controller's serial port for this program alone, and discard buffered data.
 
     RTS is raised and lowered as the controllers' protocol asks; a pty or a URL has no such line.
     """
@@ -67,7 +67,7 @@ def open_controller(address: str, timeout: float = 1.0) -> Any:
 
 
 class Motor(Device):
-    """A motor on a pyserial port, with RTS/CTS on a real controller; m or rad from home."""
+    """A motor on a pyserial port; positions are in m or rad from home."""
 
     def __init__(
         self,
@@ -89,7 +89,7 @@ class Motor(Device):
 
     @property
     def position(self) -> float:
-        """Position, m or rad."""
+        """Position from home, m or rad."""
         return self._ask("mot_req_poscounter", _CHANNEL).position / self.scale
 
     @property
@@ -98,21 +98,21 @@ class Motor(Device):
         return bool(self._status()[0].homed)
 
     def home(self, *, waiting: Waiting = None) -> None:
-        """Find the home position; the shaft or carriage travels."""
-        self._go("mot_move_home", 0.0, waiting=waiting)
+        """Move to the home position, and wait; ``waiting`` is called meanwhile."""
+        self._move_and_wait("mot_move_home", 0.0, waiting=waiting)
 
     def move_to(self, position: float, *, waiting: Waiting = None) -> float:
         """Move to a position, m or rad, and wait; return it. After an error it is stopped."""
         self._within(position=position)
         if not self.homed:
-            self._fail(Refused, "be homed before a move", "it not", "Home it.")
-        self._go(
+            self._fail(Refused, "be homed before a move", "it not homed", "Home it.")
+        self._move_and_wait(
             "mot_move_absolute", position, round(position * self.scale), waiting=waiting
         )
         return self.position
 
     def safe_state(self) -> None:
-        """Stop at once, and wait for it."""
+        """Stop the motor at once, and wait until it rests."""
         insist(self._stop)
 
     def _stop(self) -> None:
@@ -124,7 +124,7 @@ class Motor(Device):
         self._fail(InstrumentTimeout, "stop", "it moving", "Switch it off.")
 
     def set_speeds(self) -> None:
-        """Set the speeds of moves and of homing: some controllers start with useless ones."""
+        """Set and check velocity and acceleration: some controllers start with useless ones."""
         kind = self.kind
         home = self._ask("mot_req_homeparams", _CHANNEL)
         wanted = round(kind.home_velocity * kind.velocity_scale)
@@ -153,10 +153,10 @@ class Motor(Device):
         model = info.model_number.split(b"\0")[0].decode("ascii", "replace")
         return {"model": model, "serial_number": str(info.serial_number)}
 
-    def _go(
+    def _move_and_wait(
         self, message: str, position: float, *arguments: int, waiting: Waiting
     ) -> None:
-        """Send a move, and wait until the motor rests where it should; after an error it stops."""
+        """Send a move, and wait until the motor rests at ``position``; after an error it stops."""
         if not self._speeds_set:
             self.set_speeds()
             self._speeds_set = True
@@ -195,7 +195,7 @@ class Motor(Device):
 
     @question
     def _ask(self, request: str, *arguments: int) -> Any:
-        """Reply to a request in time; what comes unasked is passed over."""
+        """Reply to a request; other messages are skipped, and `InstrumentTimeout` if it is late."""
         self._send(request, *arguments)
         reply = request.replace("_req_", "_get_")
         deadline = time.monotonic() + ANSWER

@@ -1,4 +1,4 @@
-"""The bench: devices of a rig by their roles, and the steps of a scan, each checked."""
+"""The bench: devices of a rig by role, and the steps of a scan with checks."""
 
 from collections.abc import Callable, Iterable, Mapping, Sequence
 from itertools import repeat
@@ -30,7 +30,7 @@ RAMP = (-20.0, -10.0, -6.0, -3.0, 0.0)  # dB: steps by which RF comes up to its 
 
 
 class Bench(EmergencyStop):
-    """Instruments of a rig, by role; as a context manager their emergency stop.
+    """Instruments of a rig, by role; as a context it brings them into their safe states.
 
     All lines are wired so that low, a cut cable or a read-out without power is safe; an open
     interlock reads low. ``patience`` is the share of all settling times that is waited for, 0 for
@@ -71,7 +71,7 @@ class Bench(EmergencyStop):
         super().__init__([devices[role] for role in DRIVERS])
 
     def switch(self, part: str, on: bool) -> None:
-        """Switch a part, and wait until it has moved; light needs a closed interlock."""
+        """Switch a part, such as "shutter", and wait until it settles."""
         if on and part in LIGHT:
             self.check_interlock()
         self.daq.set_line(self.rig.line(part), on)
@@ -80,7 +80,7 @@ class Bench(EmergencyStop):
         self._levels[part] = on
 
     def wait(self, seconds: float) -> None:
-        """Wait, with all timers fed."""
+        """Wait so many seconds, while the devices' watchdogs are kept from expiring."""
         end = monotonic() + self._patience * seconds
         while (left := end - monotonic()) > 0:
             sleep(min(left, self._silence / 8))
@@ -94,17 +94,17 @@ class Bench(EmergencyStop):
             )
 
     def park(self) -> None:
-        """Bring both mirrors to 0 V."""
+        """Set both scan mirrors to 0 V."""
         self.daq.write_many(dict.fromkeys(self.rig.mirrors, 0.0))
         self._aim = np.zeros(2)
 
     def aimed(self, direction: Array) -> Values:
-        """Outputs that send the beam into a direction (2,), rad, and their voltages."""
+        """Voltages of the mirrors, by output, that send the beam in a direction (2,), rad."""
         volts = mirror_volts(self.rig, direction).tolist()
         return dict(zip(self.rig.mirrors, volts, strict=True))
 
     def fly_back(self, directions: Array) -> None:
-        """Aim at the first direction of a line (N, 2), rad, and wait as the step requires."""
+        """Aim at the first of a line's directions (N, 2), rad, and wait for the mirrors."""
         self.daq.write_many(self.aimed(directions[0]))
         self.wait(
             mirror_settling(self.rig, float(np.abs(directions[0] - self._aim).max()))
@@ -112,7 +112,7 @@ class Bench(EmergencyStop):
         self._aim = directions[-1]
 
     def set_up(self) -> None:
-        """Set up everything but light and RF for a scan."""
+        """Prepare all devices for a scan: laser on, shutter closed, RF off."""
         rig = self.rig
         self.daq.safe_state()
         self._levels.clear()
@@ -136,7 +136,7 @@ class Bench(EmergencyStop):
         self.switch("laser", True)
 
     def listen(self, *inputs: str) -> None:
-        """Let bursts be those of these analog inputs."""
+        """Choose the analog inputs that bursts sample."""
         self.daq.configure_burst(
             channels=inputs,
             rate=self.rig.rate,
@@ -146,7 +146,7 @@ class Bench(EmergencyStop):
         )
 
     def start_clock(self) -> None:
-        """Bring the generator into a known state, and switch on the channels that are used."""
+        """Reset the clock generator, and switch on the channels that the rig uses."""
         rig = self.rig
         self.clock.reset()
         for channel in rig.clock_channels:
@@ -159,7 +159,7 @@ class Bench(EmergencyStop):
             self.clock.output(channel, True)
 
     def choose_mode(self, mode: str) -> None:
-        """Turn both plates and run both modulators as a mode requires; the shutter is closed."""
+        """Close the shutter, then turn both plates and drive both modulators for a mode."""
         self.shut()
         rig = self.rig
         for rf in self.rf:
@@ -197,7 +197,7 @@ class Bench(EmergencyStop):
         self.park()
 
     def look_at(self, kind: str) -> None:
-        """Choose the way of the light: "scan", "reference" target, or "dark" for none.
+        """Choose the path of the light: "scan", "reference" target, or "dark" for none.
 
         Two more look at the target, too: "rf" by the fast photodiode, and "interferometer" beside
         the light of the reference mirror, whose beam block is raised.
@@ -207,7 +207,7 @@ class Bench(EmergencyStop):
         if kind == "rf" and not to_photodiode:
             raise ValueError(
                 f"Expected flip_mirror: photodiode, got {self.rig.flip_mirror}. "
-                "Let the flip mirror lead there."
+                "Set flip_mirror to photodiode, if it leads there."
             )
         self.switch("flip_mirror", kind == "rf" if to_photodiode else at_target)
         if at_target and to_photodiode:
@@ -216,7 +216,7 @@ class Bench(EmergencyStop):
         self.switch("shutter", kind != "dark")
 
     def move_target(self, offset: float) -> None:
-        """Bring the target to an offset (m) from below, so that the screw's play does not count."""
+        """Move the target to an offset, m, always from below, against backlash of the screw."""
         goal = self.rig.stage_zero + offset
         for position in (goal - 1e-3, goal):
             self.stage.move_to(position, waiting=self.feed)
@@ -224,9 +224,9 @@ class Bench(EmergencyStop):
     def bursts(
         self, labels: Sequence[int], outputs: Iterable[Mapping[str, float]] = repeat({})
     ) -> Counts:
-        """Counts (N, samples) of bursts by their labels; outputs, label and start share a frame.
+        """Counts (N, samples) of one burst for each label; ``outputs`` are set as each starts.
 
-        The phase table begins again, and a `BadReply` says that it was not stepped once a phase.
+        The phase table begins again; `BadReply` if it was not stepped once per phase.
         """
         requests = [
             {"USER_RAM0_U32": float(label), **output}
@@ -249,7 +249,7 @@ class Bench(EmergencyStop):
         return np.array(counts)
 
     def check(self) -> None:
-        """Raise `Unsafe` if a modulator, their clock or the interlock has given way."""
+        """Raise `Unsafe` unless both modulators are on and locked, clock on, interlock closed."""
         if not all(
             self.clock.output_is_on(channel) for channel in self.rig.clock_channels
         ):
@@ -263,7 +263,7 @@ class Bench(EmergencyStop):
         self.check_interlock()
 
     def feed(self) -> None:
-        """Keep the devices' timers from running out, and look at the interlock now and then."""
+        """Reset the devices' watchdogs and check the interlock, at most every so often."""
         if monotonic() - self._fed < self._silence / 4:
             return
         self._fed = monotonic()
@@ -272,7 +272,7 @@ class Bench(EmergencyStop):
             rf.ping()
 
     def metered_power(self) -> float:
-        """Power, W, at the meter; `Unsafe` where there is none, or more leaves than allowed."""
+        """Laser power at the meter, W; `Unsafe` if it is zero, or more is emitted than allowed."""
         metered = self.power_meter.power
         emitted = self.rig.emitted_share * metered
         if not 0 < emitted <= self.rig.power_limit:
@@ -283,12 +283,12 @@ class Bench(EmergencyStop):
         return metered
 
     def measure(self, plan: Plan, line: Line, attempts: int = ATTEMPTS) -> Record:
-        """Record of one line, which is begun again when samples or an edge were lost."""
+        """Record of one line; when samples or a trigger edge are lost it is repeated."""
         self.look_at(line.kind)
-        lit = line.kind != "dark"
+        has_light = line.kind != "dark"
         if line.kind == "reference":
             self.move_target(plan.sweep[line.row])
-        if lit:
+        if has_light:
             self.metered_power()
         outputs: Requests = repeat({})
         try:
@@ -303,7 +303,7 @@ class Bench(EmergencyStop):
             return self.measure(plan, line, attempts - 1)
         self.check()
         # on the clock of the last burst: so it is the same after other lines and after a resume
-        power = self.metered_power() if lit else 1.0
+        power = self.metered_power() if has_light else 1.0
         measured = sums_from_counts(counts, plan.kept)
         locks = np.array([rf.lock()[1:] for rf in self.rf])
         return Record(

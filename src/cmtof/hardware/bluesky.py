@@ -21,7 +21,7 @@ UNITS = {
 
 
 class Motion(Future):
-    """Status of a move, which runs in a thread of its own."""
+    """Status of a move, for Bluesky; the move runs in a thread of its own."""
 
     add_callback = Future.add_done_callback
     done = property(Future.done)  # type: ignore[assignment]
@@ -32,7 +32,7 @@ class Motion(Future):
         Thread(target=self._run, args=[act]).start()
 
     def _run(self, act: Callable[[], object]) -> None:
-        """Act, and keep what came of it."""
+        """Run the move, and store its result or its error."""
         try:
             self.set_result(act())
         except Exception as error:
@@ -40,7 +40,7 @@ class Motion(Future):
 
 
 class Adapter:
-    """A device of a bench by its role."""
+    """Device of a bench for Bluesky, by its role in `UNITS`."""
 
     parent = None
     _stopped = False
@@ -52,40 +52,40 @@ class Adapter:
         self._motion = Motion(lambda: None)
 
     def read(self) -> dict[str, dict]:
-        """Position or power, and the time, s since 1970."""
+        """Position, m or rad, or power, W, with the time, s since 1970, as Bluesky expects."""
         value = getattr(
             self._device, "power" if self.name == "power_meter" else "position"
         )
         return {self.name: {"value": value, "timestamp": time.time()}}
 
     def describe(self) -> dict[str, dict]:
-        """Kind of the value, and its unit."""
+        """Type and unit of the value, as Bluesky expects."""
         kind = {"source": "cmtof", "dtype": "number", "shape": []}
         return {self.name: kind | {"units": UNITS[self.name]}}
 
     def set(self, position: float) -> Motion:
-        """Move, m or rad."""
+        """Start a move to a position, m or rad; return its status."""
         self._stopped = False
         self._motion = Motion(
-            lambda: self._device.move_to(position, waiting=self._wait)
+            lambda: self._device.move_to(position, waiting=self._feed_or_stop)
         )
         return self._motion
 
     def stop(self, *, success: bool = False) -> None:
-        """Bring the device into its safe state; a move ends in `Unsafe`."""
+        """Bring the device into its safe state; a running move fails with `Unsafe`."""
         self._stopped = True
         self._motion.exception()
         self._device.safe_state()
 
-    def _wait(self) -> None:
-        """Feed the timers of the bench, and end a move that is to stop."""
+    def _feed_or_stop(self) -> None:
+        """Reset the bench's watchdogs during a move; `Unsafe` after `stop`."""
         if self._stopped:
             raise Unsafe(
-                f"Expected {self.name} to move on, got a stop. Home it or go on."
+                f"Expected {self.name} to end its move, got a stop. Home it or move it again."
             )
         self._bench.feed()
 
 
 def adapters(bench: Bench) -> dict[str, Adapter]:
-    """Motors and power meter of a bench that is set up, by role."""
+    """Adapters of the motors and the power meter of a bench that is set up, by role."""
     return {role: Adapter(bench, role) for role in UNITS}

@@ -1,4 +1,4 @@
-r"""What a bench measures of itself: drives, resonances, plates, and the error within a wrap.
+r"""Calibration of a bench: drive amplitudes, resonances, plates, error within a wrap.
 
 With its half-wave plate in the dark a module passes ``(1 - J_0(2 eta)) / 2`` of what it passes at
 most, twice what it passes at quadrature. So eta follows from mean light: that at the power meter
@@ -31,7 +31,7 @@ def levels(
     angles: Iterable[float],
     drives: Iterable[Sequence[float]] = (),
 ) -> Array:
-    """Light behind a module with its plate at angles, degrees, without RF, then at drives.
+    """Light (N,) behind a module, first with its plate at angles, degrees, then at RF drives.
 
     The other module stays at quadrature; drives of Hz and dBm are those at the last angle.
     """
@@ -63,7 +63,7 @@ def levels(
 def drive_amplitudes(
     bench: Bench, module: str, drives: Iterable[Sequence[float]]
 ) -> Array:
-    """Amplitudes eta (N,), rad, of the "emission" or "detection" at drives of Hz and dBm."""
+    """Drive amplitudes eta (N,), rad, of a module at N drives, each a pair of Hz and dBm."""
     quadrature, dark, *driven = levels(bench, module, PLATES.values(), drives)
     share = (np.array(driven) - dark) / (2 * quadrature - 2 * dark)
     eta = np.linspace(LARGEST, 0.0, 2000)
@@ -71,9 +71,10 @@ def drive_amplitudes(
 
 
 def resonance(bench: Bench, module: str, frequencies: Sequence[float]) -> Pair:
-    """Resonance, Hz, of a module by its eta at three frequencies or more, and its full width, Hz.
+    """Resonance and its full width, Hz, of a module, from eta at three or more frequencies, Hz.
 
-    That of a Lorentzian at half power: 1 / eta^2 grows with the square of the distance.
+    The width is that of a Lorentzian at half power: 1 / eta^2 grows with the square of the
+    distance from the resonance.
     """
     drives = [(hertz, bench.rig.power_dbm) for hertz in frequencies]
     curve = Polynomial.fit(
@@ -84,9 +85,9 @@ def resonance(bench: Bench, module: str, frequencies: Sequence[float]) -> Pair:
 
 
 def plate(bench: Bench, module: str, angles: Sequence[float]) -> Pair:
-    """What is to be added to a plate's zero, degrees, and the module's extinction.
+    """Correction of a plate's zero, degrees, and extinction ratio of its module.
 
-    By its light at angles, degrees, spread over 45.
+    They follow from its light at angles, degrees, spread over 45 degrees.
     """
     fit = decode(levels(bench, module, angles), 8 * np.deg2rad(angles))
     ratio = (fit.offset + fit.amplitude) / (fit.offset - fit.amplitude)
@@ -94,7 +95,7 @@ def plate(bench: Bench, module: str, angles: Sequence[float]) -> Pair:
 
 
 def cyclic_error(bench: Bench, offsets: ArrayLike) -> Array:
-    """Amplitudes, m, of errors with 1, 2 and more periods over offsets (N,), m, of whole wraps."""
+    """Amplitudes, m, of range errors of 1, 2, ... periods over offsets (N,), m, of whole wraps."""
     seen = sweep(bench, "reference", offsets)
     error = sweep_errors(
         seen, bench.rig.reference_distance, visits=seen.sizes["position"]

@@ -1,4 +1,4 @@
-"""What a bench reports of itself before anything moves."""
+"""Reports of a bench's devices before anything moves."""
 
 from collections.abc import Callable, Iterator
 
@@ -7,26 +7,37 @@ from cmtof.hardware.roles import RfStatus
 
 
 def states_of(bench: Bench) -> Iterator[tuple[str, str]]:
-    """Each device and what it reports; a device that fails says so instead."""
+    """Name of each device and its report, or its error if it fails."""
     for role, device in bench.devices.items():
-        yield device.name, _told(lambda one=device: " ".join(one.identify().values()))
+        yield (
+            device.name,
+            _reply(lambda one=device: " ".join(one.identify().values())),
+        )
         if role.startswith("rf"):
-            yield "", _told(lambda one=device: _rf_state(one.status()))
+            yield "", _reply(lambda one=device: _rf_text(one.status()))
         if role in ("plate_emission", "plate_detection", "stage"):
-            yield "", _told(lambda one=device: _position(one.homed, one.position))
+            yield (
+                "",
+                _reply(lambda one=device: _position_text(one.homed, one.position)),
+            )
     for channel in bench.rig.clock_channels:
         yield (
             f"clock channel {channel}",
-            _told(lambda one=channel: "on" if bench.clock.output_is_on(one) else "off"),
+            _reply(
+                lambda one=channel: "on" if bench.clock.output_is_on(one) else "off"
+            ),
         )
-    yield "power", _told(lambda: f"{1e3 * bench.power_meter.power:.4g} mW at the meter")
+    yield (
+        "power",
+        _reply(lambda: f"{1e3 * bench.power_meter.power:.4g} mW at the meter"),
+    )
     yield (
         "interlock",
-        _told(lambda: _interlock(bench.daq.line(bench.rig.line("interlock")))),
+        _reply(lambda: _interlock_text(bench.daq.line(bench.rig.line("interlock")))),
     )
 
 
-def _interlock(closed: bool) -> str:
+def _interlock_text(closed: bool) -> str:
     return (
         "closed"
         if closed
@@ -34,18 +45,18 @@ def _interlock(closed: bool) -> str:
     )
 
 
-def _rf_state(status: RfStatus) -> str:
+def _rf_text(status: RfStatus) -> str:
     words = ["RF on" if status.on else "RF off"]
     words += ["locked"] * status.locked + ["tripped"] * status.tripped
     return ", ".join(words)
 
 
-def _position(homed: bool, position: float) -> str:
+def _position_text(homed: bool, position: float) -> str:
     return f"at {position:.6g}, homed" if homed else "not homed"
 
 
-def _told(ask: Callable[[], str]) -> str:
-    """Answer to a question, or the error."""
+def _reply(ask: Callable[[], str]) -> str:
+    """Text that ``ask`` returns, or the message of its error."""
     try:
         return ask()
     except OSError as error:

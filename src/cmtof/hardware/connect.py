@@ -10,7 +10,7 @@ from cmtof.hardware.log import Logged
 from cmtof.hardware.modbus import PORT, Feedback
 from cmtof.hardware.rig import LIGHT, Rig
 
-# What may still send out light or RF after a scan that was killed; it is connected first.
+# Devices that may still emit light or RF after a killed scan; they are connected first.
 DARK_FIRST = ("daq", "rf_emission", "rf_detection")
 
 
@@ -35,7 +35,7 @@ def connected_bench(rig: Rig, log: TextIO | None = None) -> Iterator[Bench]:
 
 
 def connected_driver(rig: Rig, role: str, log: TextIO | None = None) -> Any:
-    """Driver of a rig's device, connected; requests and replies go into ``log``."""
+    """Connected driver of a rig's device; requests and replies go into ``log``."""
     from cmtof.hardware import apt, rf, scpi
 
     settings = rig.devices[role]
@@ -59,7 +59,7 @@ def connected_driver(rig: Rig, role: str, log: TextIO | None = None) -> Any:
 
 
 def read_out(rig: Rig, connection: Any, **named: str) -> Any:
-    """Driver of a T7: ``HOST``, or ``HOST:PORT`` whose stream comes from the port 200 above."""
+    """Driver of a T7 at the rig's ``HOST`` or ``HOST:PORT``; its stream is at PORT + 200."""
     from cmtof.hardware import rf, t7
 
     settings = rig.devices["daq"]

@@ -1,4 +1,4 @@
-"""Common parts of all drivers: one error pattern, limits, one repeated question, read-back."""
+"""Base of all drivers: errors of one pattern, limits, repeated queries, read-back."""
 
 import errno
 import re
@@ -11,7 +11,7 @@ from cmtof.types import Pair, Texts
 
 
 class InstrumentError(OSError):
-    """Something is wrong with an instrument or with the way to it."""
+    """Error of an instrument or of the connection to it."""
 
 
 class InstrumentTimeout(InstrumentError):
@@ -19,7 +19,7 @@ class InstrumentTimeout(InstrumentError):
 
 
 class ConnectionLost(InstrumentError):
-    """The other end has gone."""
+    """The device cannot be reached, or no longer."""
 
 
 class BadReply(InstrumentError):
@@ -45,7 +45,7 @@ _PATTERNS = {
 
 @contextmanager
 def one_error(name: str, otherwise: type[InstrumentError] = BadReply) -> Iterator[None]:
-    """Errors of pyserial, PyVISA, sockets and of parsing as one `InstrumentError`."""
+    """Context that turns errors of pyserial, PyVISA, sockets and parsing into `InstrumentError`."""
     try:
         yield
     except InstrumentError:
@@ -66,7 +66,7 @@ def one_error(name: str, otherwise: type[InstrumentError] = BadReply) -> Iterato
 
 
 def _hints(error: Exception) -> list[str]:
-    """What helps against an error that the operating system or a library reports."""
+    """Advice against an error that the operating system or a library reports; may be empty."""
     number = getattr(error, "errno", None)
     found = [HINTS[number]] if number in HINTS else []
     return found + [hint for words, hint in PHRASES.items() if words in str(error)]
@@ -91,7 +91,7 @@ PHRASES = {
 
 
 class Device:
-    """An instrument on a library's connection; ``serial_number`` refuses any other."""
+    """An instrument behind a connection; a given ``serial_number`` has to be its own."""
 
     # beginnings of the names that the driver takes
     MODELS: ClassVar[tuple[str, ...]] = ()
@@ -110,7 +110,7 @@ class Device:
         """Bring the device into its safe state; may be called at any time, and again."""
 
     def identify(self) -> Texts:
-        """Name that the device reports; `Refused` if it is another one."""
+        """Model, serial number and more that the device reports; `Refused` if it is another one."""
         found = self._identity()  # type: ignore[attr-defined]
         model = found["model"]
         serial_number = found["serial_number"]
@@ -126,10 +126,10 @@ class Device:
         return found
 
     def _resynchronise(self) -> None:
-        """Make sure that the next answer is that to the next question."""
+        """Discard late answers, so that the next answer belongs to the next question."""
 
     def _within(self, **settings: float) -> None:
-        """Raise a ValueError for a setting beyond its limits."""
+        """Raise a ValueError for a setting, by name, beyond its `LIMITS`."""
         for what, value in settings.items():
             low, high = self.LIMITS[what]
             if not low <= value <= high:
@@ -141,7 +141,7 @@ class Device:
     def _expect(
         self, what: str, wanted: float, found: float, tolerance: float = 0.0
     ) -> None:
-        """Raise `Refused` unless a device reads back what was set."""
+        """Raise `Refused` unless ``found``, read back, is ``wanted`` within the tolerance."""
         if not abs(found - wanted) <= tolerance:  # a comparison that NaN fails
             self._fail(
                 Refused,
@@ -157,7 +157,7 @@ class Device:
 
 
 def question(ask: Callable[..., Any]) -> Callable[..., Any]:
-    """Ask once more after a lost or garbled answer: only where nothing moves by it."""
+    """Decorator: ask once more after a lost or garbled answer, where that changes nothing."""
 
     @wraps(ask)
     def asked(self: Device, *arguments: Any) -> Any:
@@ -171,7 +171,7 @@ def question(ask: Callable[..., Any]) -> Callable[..., Any]:
 
 
 def insist(*acts: Callable[[], object], tries: int = 2) -> None:
-    """Run acts that only increase safety, each again after a failure; then raise.
+    """Run actions that only increase safety, each up to ``tries`` times; raise what failed.
 
     After an act that stays without an answer the rest is left out: each would wait as long.
     """

@@ -21,17 +21,17 @@ KINDS = {"locks": float, "times": float, "sums": np.uint32, "clipped": np.uint16
 
 
 def journal_path(output: AnyPath) -> Path:
-    """Where the journal of an output lies: beside it, ``m.nc.journal``."""
+    """Path of the journal of an output, beside it: ``m.nc.journal``."""
     return Path(f"{output}.journal")
 
 
 def framed(content: bytes) -> bytes:
-    """Line of a journal."""
+    """Line of a journal: checksum, content and newline."""
     return b"%08x %s\n" % (zlib.crc32(content), content)
 
 
 def whole_lines(path: AnyPath) -> list[bytes]:
-    """JSON of the header and of every line that is whole; nothing of a file that is no journal."""
+    """JSON of a journal's lines, header first, up to the first damaged one; may be empty."""
     found = []
     for line in Path(path).read_bytes().splitlines(keepends=True):
         if line != framed(line[9:-1]):
@@ -49,7 +49,7 @@ def append(path: Path, content: Named) -> None:
 
 
 def check_settings(path: Path, old: Named, new: Named) -> None:
-    """Raise ValueError unless the settings of a file are these."""
+    """Raise a ValueError unless the ``old`` settings of a file equal the ``new`` ones."""
     for name in new:
         if old.get(name) != new[name]:
             raise ValueError(
@@ -59,7 +59,7 @@ def check_settings(path: Path, old: Named, new: Named) -> None:
 
 
 def begun(path: Path, header: Named, plan: Plan) -> list[Record]:
-    """Records of a plan's journal, which is cut behind them, or begun where there is none.
+    """Records in a plan's journal, whose damaged end is cut off; a missing journal is created.
 
     Raises ValueError if it belongs to other settings, or is none.
     """
@@ -88,7 +88,7 @@ def begun(path: Path, header: Named, plan: Plan) -> list[Record]:
 
 
 def _record(content: bytes, line: Line, phases: int) -> Record:
-    """Record of a line of the plan; an error of any kind where it does not fit."""
+    """Record of a plan's line from JSON; an error of some kind if it does not fit the line."""
     found = json.loads(content)
     arrays = {name: np.array(found[name], kind) for name, kind in KINDS.items()}
     record = Record(**found | arrays)

@@ -1,4 +1,4 @@
-"""A record of what goes over the wires."""
+"""Log of requests to devices and their replies."""
 
 from collections.abc import Callable
 from datetime import datetime
@@ -15,15 +15,15 @@ class Logged:
 
     def __getattr__(self, attribute: str) -> Any:
         found = getattr(self._connection, attribute)
-        return self._telling(found) if attribute in TALK else found
+        return self._log_calls(found) if attribute in TALK else found
 
     def __setattr__(self, attribute: str, value: Any) -> None:
         setattr(self._connection, attribute, value)
 
-    def _telling(self, act: Callable[..., Any]) -> Callable[..., Any]:
-        """The same method, which writes down what it sends, gets or fails at."""
+    def _log_calls(self, act: Callable[..., Any]) -> Callable[..., Any]:
+        """The method, wrapped so that its request, reply or error is logged."""
 
-        def told(*arguments: Any) -> Any:
+        def call(*arguments: Any) -> Any:
             if arguments and act.__name__ in ("write", "ask"):
                 self._note(">", arguments[0])
             try:
@@ -35,10 +35,10 @@ class Logged:
                 self._note("<", reply)
             return reply
 
-        return told
+        return call
 
     def _note(self, direction: str, content: object) -> None:
-        shown = content.hex(" ") if isinstance(content, bytes) else str(content).strip()
+        text = content.hex(" ") if isinstance(content, bytes) else str(content).strip()
         now = datetime.now().isoformat(timespec="milliseconds")
-        self._log.write(f"{now} {self._name} {direction} {shown}\n")
+        self._log.write(f"{now} {self._name} {direction} {text}\n")
         self._log.flush()

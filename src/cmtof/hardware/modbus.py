@@ -12,7 +12,7 @@ HEAD = struct.Struct(">HHHBB")  # number, protocol, bytes that follow, unit, fun
 
 
 class Feedback:
-    """A connection that sends reads and writes of registers in one frame, or `ConnectionLost`.
+    """Connection to a T7 that sends reads and writes of registers in one frame.
 
     After an error it is closed, and opened again for the next frame: a late answer would be taken
     for that to the next request.
@@ -24,28 +24,28 @@ class Feedback:
         self._timeout = timeout
         self._number = 0
         with one_error(f"a T7 at {address}", ConnectionLost):
-            self._socket: socket.socket | None = self._connected()
+            self._socket: socket.socket | None = self._connect()
 
     def ask(self, frame: bytes) -> bytes:
-        """Answer to a frame; `Refused` if the device reports an exception."""
+        """Answer to a frame, without its header; `Refused` if the device reports an exception."""
         self._number = (self._number + 1) % 2**16
         if self._socket is None:
-            self._socket = self._connected()
+            self._socket = self._connect()
         try:
             request = HEAD.pack(self._number, 0, len(frame) + 2, UNIT, FEEDBACK) + frame
             self._socket.sendall(request)
-            number, _, length, _, function = HEAD.unpack(self._received(HEAD.size))
+            number, _, length, _, function = HEAD.unpack(self._receive(HEAD.size))
             if number != self._number or function & 0x7F != FEEDBACK:
                 raise BadReply(
                     f"Expected answer {self._number}, got {number}. Ask again."
                 )
-            body = self._received(length - 2)
+            body = self._receive(length - 2)
         except Exception:
             self.close()
             raise
         if function != FEEDBACK:
             raise Refused(
-                f"Expected a request to be accepted, got exception {body[0]}. Check it."
+                f"Expected a request to be accepted, got exception {body[0]}. Look it up."
             )
         return body
 
@@ -55,11 +55,11 @@ class Feedback:
             self._socket.close()
         self._socket = None
 
-    def _connected(self) -> socket.socket:
+    def _connect(self) -> socket.socket:
         return socket.create_connection(self._address, self._timeout)
 
-    def _received(self, size: int) -> bytes:
-        """So many bytes from the socket."""
+    def _receive(self, size: int) -> bytes:
+        """Exactly ``size`` bytes from the socket; ConnectionResetError if it ends before."""
         data = b""
         while len(data) < size:
             part = self._socket.recv(size - len(data)) if self._socket else b""

@@ -33,7 +33,7 @@ BURST_INTERVAL = 20e-3
 
 
 class Line(NamedTuple):
-    """Bursts that are recorded together."""
+    """Bursts that are recorded together: a row of the image, or a step of the calibration."""
 
     index: int
     mode: str
@@ -43,7 +43,7 @@ class Line(NamedTuple):
 
 
 class Record(NamedTuple):
-    """One line as it was measured."""
+    """Result of one measured line."""
 
     line: int
     power: float  # behind the emission module at the line's end, W
@@ -55,7 +55,7 @@ class Record(NamedTuple):
 
 
 class Plan(NamedTuple):
-    """Lines of a scan, and what they share."""
+    """Lines of a scan, beam angles, target positions, and samples to sum."""
 
     rig: Rig
     angles: Array  # of the beam, optical, rad (H, W, 2)
@@ -66,7 +66,7 @@ class Plan(NamedTuple):
 
 
 def mirror_settling(rig: Rig, step: float) -> float:
-    """Time, s, that the mirrors take for a step, rad of optical angle.
+    """Settling time, s, of the mirrors after a step of optical angle, rad.
 
     >>> f"{mirror_settling(Rig.default(), np.deg2rad(40)):.4f}"
     '0.0077'
@@ -75,13 +75,13 @@ def mirror_settling(rig: Rig, step: float) -> float:
 
 
 def mirror_volts(rig: Rig, angles: ArrayLike) -> Array:
-    """Voltages (..., 2) that send the beam to optical angles, rad: twice what the mirrors turn."""
+    """Mirror voltages (..., 2), V, for optical angles (..., 2), rad, twice the mirrors' own."""
     volts = np.rad2deg(angles) / 2 * rig.mirror_volts_per_degree
     return np.round(volts + rig.mirror_offset_volts, 6)
 
 
 def mirror_angles(rig: Rig, volts: ArrayLike) -> Array:
-    """Optical angles (..., 2), rad, of voltages: the inverse of `mirror_volts`."""
+    """Optical angles (..., 2), rad, at voltages (..., 2), V: the inverse of `mirror_volts`."""
     return np.deg2rad(
         2 * np.subtract(volts, rig.mirror_offset_volts) / rig.mirror_volts_per_degree
     )
@@ -96,18 +96,21 @@ def planned(rig: Rig, *, size: int | Shape = 64) -> Plan:
     camera = np.array([*focal, width / 2, height / 2])
     x, y, z = np.moveaxis(rays_from_camera((height, width), camera), -1, 0)
     angles = np.stack([np.arctan2(x, z), np.arctan2(y, z)], axis=-1)
-    most = np.abs(mirror_volts(rig, angles)).max()
-    if most > 10:
+    largest_volts = np.abs(mirror_volts(rig, angles)).max()
+    if largest_volts > 10:
         raise ValueError(
-            f"Expected mirrors within 10 V, got {most:.3g} V. Make field_of_view_deg smaller."
+            f"Expected mirrors within 10 V, got {largest_volts:.3g} V. "
+            "Make field_of_view_deg smaller."
         )
     wrap = SPEED_OF_LIGHT / (2 * rig.frequency_single * rig.group_index)
     sweep = wrap * ((np.arange(SWEEP) + 0.5) / SWEEP - 0.5)
-    return Plan(rig, angles, camera, sweep, _kept(rig, angles), _lines(height, width))
+    return Plan(
+        rig, angles, camera, sweep, _samples_to_sum(rig, angles), _lines(height, width)
+    )
 
 
 def _lines(height: int, width: int) -> list[Line]:
-    """Lines of a scan with an image of a size, px."""
+    """Lines of a scan of an image, in order: each mode with its calibration before and after."""
     reference = [("reference", n, REFERENCE_BURSTS) for n in range(SWEEP)]
     image = [("scan", row, width) for row in range(height)]
     lines = []
@@ -126,8 +129,8 @@ def _lines(height: int, width: int) -> list[Line]:
     return lines
 
 
-def _kept(rig: Rig, angles: Array) -> Numbers:
-    """How many samples of each phase are summed (K,): filters settle, at the first mirrors, too."""
+def _samples_to_sum(rig: Rig, angles: Array) -> Numbers:
+    """Number of samples (K,) to sum at the end of each phase, after filters and mirrors settle."""
     settle = np.full(rig.phases, rig.settle_samples)
     step = np.abs(np.diff(angles[..., 0], axis=1)).max(initial=0.0)
     mirrors = ceil(mirror_settling(rig, step) * rig.rate - 1e-9)

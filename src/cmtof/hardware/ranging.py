@@ -1,4 +1,4 @@
-r"""Three instruments before the target on its stage, as in Fig. 13: readings and their phases.
+r"""Three ways to range the target on its stage, as in Fig. 13: readings and their phases.
 
 The all-optical one ("reference") steps the reference phase within a burst. RF demodulation ("rf")
 takes I and Q of the fast photodiode as two inputs: what they show without light is taken away, and
@@ -32,13 +32,13 @@ MEANS = {"reference": (0, 2), "rf": (0, 1, 2), "interferometer": (1, 2)}
 
 
 def straightened(reading: ArrayLike, gain: ArrayLike, error: ArrayLike) -> Complex:
-    """Phasor of a reading I + iQ whose Q is ``gain`` too large and ``error``, rad, off."""
+    """Phasor of a reading I + iQ, corrected for Q's ``gain`` and phase ``error``, rad."""
     z = np.asarray(reading, complex)
     return z.real + 1j * (z.imag / gain - z.real * np.sin(error)) / np.cos(error)
 
 
 def reading(bench: Bench, way: str, gain: Gain, labels: Iterator[int]) -> Array:
-    """Volts of a reading: of its phases or mirror's steps (K,), or I and Q (2,)."""
+    """Mean voltages of a reading: by phase or by step of the mirror (K,), or I and Q (2,)."""
     rig = bench.rig
     outputs = [{}]
     if way == "interferometer":
@@ -61,7 +61,7 @@ def stepped_phases(volts: Array) -> Array:
 def calibrated_mixer(
     bench: Bench, read: Callable[[], Array]
 ) -> Callable[[Array], Array]:
-    """Function that makes phases (N,), rad, of I and Q (N, 2), V, by the imbalance of today."""
+    """Function from I and Q (N, 2), V, to phases (N,), rad, after a calibration of the mixer."""
     bench.listen(*bench.rig.iq_inputs)
     bench.rf_detection.load_table(np.zeros(bench.rig.phases))  # it drives the mixer
     dark = np.mean([read() for _ in range(DARK_BURSTS)], axis=0)
@@ -81,9 +81,10 @@ def calibrated_mixer(
 def sweep(
     bench: Bench, way: str, offsets: ArrayLike, *, mode: str = "single", label: int = 1
 ) -> Dataset:
-    """Readings of the target at offsets (N,), m, from its zero; bursts count from ``label`` on.
+    """Phases and voltages of the target at offsets (N,), m, by one of three ways of ranging.
 
-    Holds ``phase`` (rad), ``volts`` and ``laser_power`` (W) by ``position`` (m), and as attributes
+    ``way`` is a key of `MEANS`; bursts are numbered from ``label`` on. The dataset holds ``phase``
+    (rad), ``volts`` and ``laser_power`` (W) by ``position`` (m), and as attributes
     the frequency, Hz, that belongs to the phase, and the settings. The bench is set up. Raises as a
     scan does, and a ValueError where light saturates the detector.
     """
@@ -128,7 +129,7 @@ def sweep(
 
 
 def sweep_errors(seen: Dataset, distance: float, *, visits: int) -> Array:
-    """Errors (N,), m, of a sweep whose zero stands at a distance, m; see `range_errors`."""
+    """Range errors (N,), m, of a `sweep` whose zero is at a distance, m; see `range_errors`."""
     index = seen.attrs["group_index"]
     ranges = index * (distance + seen["position"])
     return (
@@ -140,7 +141,10 @@ def sweep_errors(seen: Dataset, distance: float, *, visits: int) -> Array:
 def range_errors(
     phases: ArrayLike, ranges: ArrayLike, frequency: float, *, visits: int
 ) -> Array:
-    """Errors (N,), m, of phases (N,), rad, at optical ranges, m; the first ones set the zero."""
+    """Range errors (N,), m, of phases (N,), rad, at true optical ranges (N,), m.
+
+    The mean phase error of the first ``visits`` is taken as the zero.
+    """
     off = np.asarray(phases) - phase_from_depth(ranges, frequency)
     zero = np.angle(np.exp(1j * off[:visits]).sum())
     return depth_from_phase(centred(off - zero), frequency)

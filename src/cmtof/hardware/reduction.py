@@ -32,7 +32,7 @@ MIN_CONTRAST = 1e-3  # of the reference target; below there is no phase to calib
 
 
 class Gain(NamedTuple):
-    """Calibration of the inputs: slopes, V per count, and the count of 0 V."""
+    """Calibration of the read-out's inputs: slopes, V per count, and the count at 0 V."""
 
     positive_slope: float
     negative_slope: float
@@ -62,7 +62,7 @@ def drive_phases(phases: int, mode: str) -> Array:
 def sums_from_counts(
     counts: ArrayLike, kept: ArrayLike
 ) -> tuple[NDArray[np.uint32], Counts]:
-    """Sums (N, K) of each phase's last ``kept`` (K,) samples, and how many of them clip (N,)."""
+    """Sums (N, K) of each phase's last ``kept`` (K,) samples, and number of clipped ones (N,)."""
     samples = np.asarray(counts, np.uint32)
     samples = samples.reshape(len(samples), np.size(kept), -1)
     size = samples.shape[2]
@@ -73,7 +73,7 @@ def sums_from_counts(
 
 
 def calibrate(correlation: Array, ranges: ArrayLike, frequency: float) -> Pair:
-    """Offset and drift of psi, rad, by R visits of a target at N optical ranges, m.
+    """Offset and drift of psi, rad, from R visits of a target at N optical ranges, m.
 
     Phasors of the correlations (R, N, K) at the nominal psi are turned back by what their range
     predicts and added up. Over a whole number of wraps a constant phasor, light that comes back
@@ -98,14 +98,14 @@ def calibrate(correlation: Array, ranges: ArrayLike, frequency: float) -> Pair:
 def lines_of(
     plan: Plan, records: Sequence[Record], mode: str, kind: str
 ) -> tuple[Any, Array]:
-    """Recorded lines as one, whose fields have an axis more, and means of their kept samples."""
+    """Records of a mode and kind, stacked into one, and the bursts' mean counts (lines, N, K)."""
     found = [one for one in records if plan.lines[one.line][1:3] == (mode, kind)]
     record: Any = Record._make(map(np.array, zip(*found, strict=True)))
     return record, record.sums / plan.kept
 
 
 def check_brightness(volts: Array, limit: float) -> None:
-    """Raise a ValueError where light drives the detector beyond a limit, V, or clips (inf)."""
+    """Raise a ValueError if light drives the detector beyond a limit, V; inf means clipped."""
     if not volts.max() <= limit:
         raise ValueError(
             f"Expected light up to limit_volts, {limit:g} V, got {volts.max():.2f} V: it "
@@ -119,7 +119,7 @@ def calibrated(
     mode: str,
     records: Sequence[Record],
 ) -> Pair:
-    """`calibrate` by the recorded visits of the target; a ValueError, too, if it saturates."""
+    """Offset and drift of psi, rad, from records of the target; a ValueError if it saturates."""
     gain = Gain(*header["calibration"])
     seen, counts = lines_of(plan, records, mode, "reference")
     volts = gain.volts_from_counts(counts)
@@ -139,7 +139,7 @@ def calibrated(
 def measurement_from_records(
     plan: Plan, header: Named, records: Sequence[Record]
 ) -> Measurement:
-    """Measurement of the records of every line of a plan; raises as `calibrated` does.
+    """Measurement from the records of all lines of a plan; raises as `calibrated` does.
 
     Beside what every `Measurement` has: ``raw_counts`` (mean of the kept samples), ``dark``,
     ``laser_power`` (W), ``detuning`` (Hz) and ``reflected_power`` (dBm) of both drives at each
@@ -147,7 +147,7 @@ def measurement_from_records(
     clock of the bursts' numbers), the attribute ``sample_rate`` (Hz), and of each
     frequency what the reference target showed. Pixels where the converter clips are masked.
     """
-    found = [_arrays(plan, header, mode, records) for mode in MODES]
+    found = [_arrays_of_mode(plan, header, mode, records) for mode in MODES]
     arrays = {name: np.stack([mode[name] for mode in found]) for name in found[0]}
     data = Measurement.from_arrays(
         arrays.pop("correlation"),
@@ -174,13 +174,13 @@ def measurement_from_records(
     return Measurement(data.set_coords("time"))
 
 
-def _arrays(
+def _arrays_of_mode(
     plan: Plan,
     header: Named,
     mode: str,
     records: Sequence[Record],
 ) -> Fields:
-    """What the records of one mode show, by the names of a measurement."""
+    """Arrays of one mode, from its records, by the names of a measurement's variables."""
     gain = Gain(*header["calibration"])
     offset, drift = calibrated(plan, header, mode, records)
     image, counts = lines_of(plan, records, mode, "scan")

@@ -48,18 +48,18 @@ def open_serial(address: str, timeout: float = 1.0, *, rtscts: bool = False) -> 
 
 
 def framed(text: str) -> bytes:
-    """Line with checksum and newline."""
+    """Bytes of a line of text, with its checksum and a newline."""
     body = text.encode("latin-1")
     return b"%s*%04X\n" % (body, crc_hqx(body, 0xFFFF))
 
 
 def code_from_phase(phase: float) -> int:
-    """Phase code 0 to 65535 of a drive phase, rad; wraps."""
+    """Phase code, 0 to 65535, of a drive phase, rad, modulo a turn."""
     return round(phase / (2 * pi) * CODES) % CODES
 
 
 class RfDriver(Device):
-    """An RF driver."""
+    """Driver of the RF drive of one modulator, on a serial port."""
 
     MODELS = ("CMTOF-RF",)
     LIMITS: ClassVar = {
@@ -84,11 +84,11 @@ class RfDriver(Device):
         self._set("PHAS", code_from_phase(rad))
 
     def set_dead_man(self, seconds: float) -> None:
-        """Have RF turned off when no request comes for so long."""
+        """Set the watchdog: RF turns off when no request comes for so many seconds."""
         self._set("DEAD", seconds, 1e-3)
 
     def output(self, on: bool, *, lock_timeout: float = 10.0) -> None:
-        """Switch RF; on needs a lock in time, or RF is off again."""
+        """Switch RF; if on, wait for the lock; `Unsafe` and RF off if it does not come in time."""
         self._switch("RF", on)
         deadline = time.monotonic() + lock_timeout
         try:
@@ -106,7 +106,7 @@ class RfDriver(Device):
             raise
 
     def status(self) -> RfStatus:
-        """Output, lock, table and trip in one answer."""
+        """State of output, lock, phase table and trip, in one answer."""
         with one_error(self.name):
             return RfStatus(*map(int, self._question("STAT?")))  # type: ignore[arg-type]
 
@@ -120,7 +120,7 @@ class RfDriver(Device):
         self._ask("CLR")
 
     def ping(self) -> None:
-        """Feed the dead man's timer; `Unsafe` if the driver has switched RF off by itself."""
+        """Reset the watchdog; `Unsafe` if the driver has switched RF off by itself."""
         if self.status().tripped:
             self._fail(Unsafe, "keep RF on", "a trip", "Find the cause.")
 
@@ -136,11 +136,11 @@ class RfDriver(Device):
         self._switch("TRIG", on)
 
     def arm(self) -> None:
-        """Count no edges yet; the first edge plays entry 0."""
+        """Rewind the phase table to entry 0, and count trigger edges from 0."""
         self._ask("ARM")
 
     def safe_state(self) -> None:
-        """Turn RF and trigger off, up to three times: the one request that is sent again."""
+        """Turn RF and trigger off; this request alone is repeated, up to three times."""
         insist(lambda: self._ask("SAFE"), tries=3)
         if self.status().on:
             self._fail(Unsafe, "turn RF off", "it on", "Switch it off by hand.")
@@ -151,13 +151,13 @@ class RfDriver(Device):
             return dict(zip(("model", "serial_number", "firmware"), words, strict=True))
 
     def _set(self, word: str, value: float, tolerance: float = 0.0) -> None:
-        """Set a number within its limits, and compare what was really set."""
+        """Set a number within its limits; `Refused` if the device confirms another."""
         self._within(**{word: value})
         found = number(" ".join(self._ask(word, f"{value:.12g}")))
         self._expect(word, value, found, tolerance)
 
     def _switch(self, word: str, on: bool) -> None:
-        """Switch, and compare what was really set."""
+        """Switch what a word of the protocol names; `Refused` if the device does not confirm it."""
         self._expect(word, on, self._ask(word, "ON" if on else "OFF") == ["ON"])
 
     @question
@@ -166,13 +166,13 @@ class RfDriver(Device):
         return self._ask(word)
 
     def _ask(self, word: str, *arguments: str) -> list[str]:
-        """Words of the answer to one request; lines to earlier ones or unasked are passed over."""
+        """Words of the answer to a request; late answers and unasked lines are skipped."""
         self._sequence = (self._sequence + 1) % 100
         with one_error(self.name):
             self._connection.write(
                 framed(" ".join([f">{self._sequence}", word, *arguments]))
             )
-        while (words := self._line())[:1] != [f"<{self._sequence}"]:
+        while (words := self._read_line())[:1] != [f"<{self._sequence}"]:
             pass
         if words[1:2] != ["OK"]:
             self._fail(
@@ -180,8 +180,8 @@ class RfDriver(Device):
             )
         return words[2:]
 
-    def _line(self) -> list[str]:
-        """Words of the next line."""
+    def _read_line(self) -> list[str]:
+        """Words of the next line received, without its checksum."""
         with one_error(self.name):
             line = self._connection.read_until(b"\n", 1024)
         body = line.decode("latin-1").rpartition("*")[0]

@@ -1,4 +1,4 @@
-"""Settings of a rig, as a RIG file has them, and how its parts are wired."""
+"""Settings of a rig, read from a RIG file, and the wiring of its parts."""
 
 from pathlib import Path
 from typing import Annotated, Literal, Self
@@ -12,7 +12,7 @@ from cmtof.files import AnyPath, read_document
 from cmtof.types import Fields
 from cmtof.validation import checked
 
-# Drivers that each role takes.
+# Names of the drivers that each role accepts.
 DRIVERS = {
     "rf_emission": ("rf-driver",),
     "rf_detection": ("rf-driver",),
@@ -53,12 +53,12 @@ Input = Annotated[str, Field(pattern="^AIN[0-9]$")]
 
 @dataclass(frozen=True, config=CHECKED)
 class DeviceSettings:
-    """Driver and address of a device, and what its own kind does not say."""
+    """Driver, address and individual settings of a device."""
 
     driver: str
-    # it says nothing of the measurement
+    # not stored with a measurement
     address: str = Field(default="", exclude=True)
-    # any other device is refused
+    # if given, another device is refused
     serial_number: str = ""
     # of a motor, per m or rad
     counts_per_unit: float | None = Field(default=None, gt=0, le=1e12)
@@ -163,7 +163,7 @@ class Rig:
 
     @classmethod
     def load(cls, path: AnyPath) -> Self:
-        """Read a RIG file; a ValueError names the first thing in it that cannot be.
+        """Rig of a RIG file; a ValueError names the first wrong setting.
 
         Its ``bench`` is a file of further keys, beside it: what was measured on a bench and is the
         same for all its rigs. Keys of the RIG file itself come first.
@@ -176,12 +176,12 @@ class Rig:
 
     @classmethod
     def default(cls) -> Self:
-        """Return the rig that comes with the package."""
+        """Rig that comes with the package."""
         return cls.load(Path(__file__).with_name("rig.yml"))
 
     @property
     def scans(self) -> int:
-        """Samples of a burst."""
+        """Number of samples of a burst per input."""
         return self.samples_per_phase * self.phases
 
     @property
@@ -190,7 +190,7 @@ class Rig:
         return group_index(temperature=self.temperature, pressure=self.pressure)
 
     def line(self, part: str) -> str:
-        """Digital line of a part."""
+        """Name of the digital line of a part, such as FIO1 of the shutter."""
         return (LINES | self.lines)[part]
 
     def drive_frequency(self, mode: str) -> float:
@@ -198,5 +198,5 @@ class Rig:
         return self.frequency_doubled if mode == "doubled" else self.frequency_single
 
     def as_dict(self) -> Fields:
-        """Plain values, without addresses."""
+        """Settings as plain values for JSON, without addresses."""
         return TypeAdapter(type(self)).dump_python(self, mode="json", fallback=repr)

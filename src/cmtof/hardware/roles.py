@@ -1,4 +1,4 @@
-"""What a scan asks of a device: a Protocol for each role, in SI units.
+"""Interfaces of the devices that a scan uses: a Protocol for each role, in SI units.
 
 A driver does it over a wire, a simulated device (`cmtof_lab.devices`) in process. Neither knows the
 other. What a method does on the wire is documented at the driver.
@@ -11,14 +11,14 @@ from numpy.typing import ArrayLike
 
 from cmtof.types import Array, Counts, Texts
 
-# What is called again and again while a device moves: it feeds the timers of the others.
+# Called again and again while a device moves, to reset the watchdogs of the others.
 Waiting = Callable[[], object] | None
 Registers = Mapping[str, ArrayLike]  # of a read-out, and their values
 Requests = Iterable[Mapping[str, float]]
 
 
 class DeviceRole(Protocol):
-    """What every device can do."""
+    """Interface of every device."""
 
     name: str
 
@@ -33,7 +33,7 @@ class DeviceRole(Protocol):
 
 
 class RfStatus(NamedTuple):
-    """Whether RF is on and locked, entry that plays, edges since arming, whether RF tripped."""
+    """State of an RF drive: on, locked, table entry, trigger edges since `arm`, tripped."""
 
     on: bool
     locked: bool
@@ -43,7 +43,7 @@ class RfStatus(NamedTuple):
 
 
 class RfLock(NamedTuple):
-    """Whether the drive is locked to its resonance, how far off, Hz, and what comes back, dBm."""
+    """Whether a drive is locked to its resonance; its detuning, Hz; reflected power, dBm."""
 
     locked: bool
     detuning: float
@@ -63,13 +63,13 @@ class RfRole(DeviceRole, Protocol):
         """Set the phase outside the table, rad."""
 
     def set_dead_man(self, seconds: float) -> None:
-        """Have RF turned off when the host is silent for so long."""
+        """Set the watchdog: RF turns off when no request comes for so many seconds."""
 
     def output(self, on: bool, *, lock_timeout: float = 10.0) -> None:
-        """Switch RF; on waits for the lock."""
+        """Switch RF; if on, wait for the lock."""
 
     def status(self) -> RfStatus:
-        """Output, lock, table and trip."""
+        """State of output, lock, phase table and trip."""
 
     def lock(self) -> RfLock:
         """Lock, detuning and reflected power."""
@@ -78,32 +78,32 @@ class RfRole(DeviceRole, Protocol):
         """Allow RF again after a trip."""
 
     def ping(self) -> None:
-        """Feed the dead man's timer."""
+        """Reset the watchdog that `set_dead_man` sets."""
 
     def load_table(self, phases: Array) -> None:
-        """Load the phases, rad."""
+        """Load the table of drive phases, rad."""
 
     def trigger(self, on: bool) -> None:
-        """Let edges step the table, or not."""
+        """Choose whether edges at the trigger input step the table."""
 
     def arm(self) -> None:
-        """Begin the table again, and count edges from 0."""
+        """Rewind the table to its first entry, and count trigger edges from 0."""
 
 
 class ClockRole(DeviceRole, Protocol):
     """Clock of both RF drivers, on channels 1 and 2."""
 
     def reset(self) -> None:
-        """Become what it is by default."""
+        """Reset to the factory settings."""
 
     def sine(self, channel: int, *, frequency: float, amplitude: float) -> None:
         """Set a sine, Hz and V peak to peak."""
 
     def lock_phases(self) -> None:
-        """Align both channels."""
+        """Lock both channels to one phase."""
 
     def output(self, channel: int, on: bool) -> None:
-        """Switch a channel."""
+        """Switch the output of a channel."""
 
     def output_is_on(self, channel: int) -> bool:
         """Whether a channel puts out its sine."""
@@ -114,17 +114,17 @@ class MotorRole(DeviceRole, Protocol):
 
     @property
     def position(self) -> float:
-        """Position from home."""
+        """Position from home, rad or m."""
 
     @property
     def homed(self) -> bool:
         """Whether the home position is known."""
 
     def home(self, *, waiting: Waiting = None) -> None:
-        """Find the home position."""
+        """Move to the home position, and wait; ``waiting`` is called meanwhile."""
 
     def move_to(self, position: float, *, waiting: Waiting = None) -> float:
-        """Move and wait; return the position."""
+        """Move to a position, rad or m, and wait; return the position read back."""
 
 
 class PowerMeterRole(DeviceRole, Protocol):
@@ -152,16 +152,16 @@ class ReadOutRole(DeviceRole, Protocol):
         """Calibration of the inputs, in the order of `cmtof.hardware.reduction.Gain`."""
 
     def line(self, dio: str) -> bool:
-        """Level of an input line."""
+        """Level of a digital input line: True is high."""
 
     def set_line(self, dio: str, high: bool) -> None:
-        """Set an output line."""
+        """Make a digital line an output, high or low."""
 
     def write_many(self, values: Registers) -> None:
         """Write registers by name, in their order."""
 
     def watchdog(self, seconds: int) -> None:
-        """Have the safe lines pulled low when the host is silent for so long."""
+        """Set the watchdog: safe lines go low when no request comes for so many seconds."""
 
     def configure_burst(
         self,
@@ -175,4 +175,4 @@ class ReadOutRole(DeviceRole, Protocol):
         """Set up bursts of inputs; a line is high for the first half of each ``pulse``."""
 
     def bursts(self, requests: Requests) -> Iterator[Counts]:
-        """Counts of a burst for each request, whose registers are written first: scan by scan."""
+        """Counts of one burst per request, whose registers are written as it starts."""

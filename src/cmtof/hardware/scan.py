@@ -1,4 +1,4 @@
-"""The scan of a plan by instruments: a journal line by line, and a measurement at the end.
+"""Scans: the lines of a plan are measured, journaled one by one, and become a measurement.
 
 Every line begins from a known state and is checked at its end (edges counted, both modulators on
 and locked, interlock closed); only then is it recorded. Whatever goes wrong, the emergency stop
@@ -28,7 +28,7 @@ from cmtof.measurement import Measurement, open_measurement
 
 
 def finished(output: Path, plan: Plan) -> Measurement:
-    """Measurement of a scan that is done; a ValueError for one of other settings, or none."""
+    """Measurement of a finished scan; a ValueError if it has other settings or is none."""
     measurement = open_measurement(output)
     old = json.loads(measurement.dataset.attrs.get("settings", "{}"))
     check_settings(
@@ -47,7 +47,7 @@ def scan(
     resume: bool = False,
     report: Callable[[Line], None] = lambda line: None,
 ) -> Measurement:
-    """Scan, and write the measurement ``*.nc``; a journal lies beside it until that is done.
+    """Scan, write the measurement ``*.nc`` and return it; a journal is kept beside it until then.
 
     ``bench`` opens the instruments, as `cmtof.hardware.connect.connected_bench` does; ``report`` is
     called with each line that is on the disk. Raises ValueError for a journal of other settings or
@@ -58,7 +58,8 @@ def scan(
     path = check_output(journal_path(check_output(output, ".nc")))
     if path.exists() and not resume:
         raise ValueError(
-            f"Expected no scan begun, got {max(len(whole_lines(path)) - 1, 0)} lines in {path}. "
+            "Expected no unfinished scan, "
+            f"got {max(len(whole_lines(path)) - 1, 0)} lines in {path}. "
             "Go on with --resume, or remove it to begin again."
         )
     if resume and output.exists() and not path.exists():

@@ -1,4 +1,4 @@
-"""SCPI instruments on PyVISA: the clock Siglent SDG2042X and the power meter Thorlabs PM100D.
+"""Drivers of SCPI instruments on PyVISA: clock Siglent SDG2042X, power meter Thorlabs PM100D.
 
 Neither numbers its replies, and what the generator does not like it drops or clamps silently (SDG
 Programming Guide; acceptance of an SDG2122X, firmware 2.01.01.39R7T2). So every setting is read
@@ -39,13 +39,13 @@ def open_visa(address: str, timeout: float = 1.0, library: str = "@py") -> Any:
 
 
 class ScpiInstrument(Device):
-    """Text commands to a resource from `open_visa`, or anything with its write, read and close."""
+    """Instrument with text commands, on a resource of `open_visa` or alike (write, read, close)."""
 
     def _identity(self) -> Texts:
         return self._ask("*IDN?", identity_from_line)
 
     def _choose(self, command: str, value: str, *also: str) -> None:
-        """Choose a word, and compare what the device holds then; ``also`` means the same."""
+        """Set a word and read it back; `Refused` unless it is the value or one of ``also``."""
         self._write(f"{command} {value}")
         found = self._ask(f"{command}?", str).strip()
         if found not in (value, *also):
@@ -56,13 +56,13 @@ class ScpiInstrument(Device):
             self._connection.write(command)
 
     def _set(self, command: str, value: float) -> None:
-        """Set a number, and compare what the device holds then."""
+        """Set a number and read it back; `Refused` if it differs."""
         self._write(f"{command} {value:.9g}")
         self._expect(command, value, self._ask(f"{command}?"), 1e-3 * abs(value))
 
     @question
     def _ask(self, command: str, parse: Callable[[str], Any] = number) -> Any:
-        """Parsed answer."""
+        """Answer to a command, parsed, by default as a number."""
         self._write(command)
         with one_error(self.name):
             return parse(self._connection.read())
@@ -77,9 +77,9 @@ class ScpiInstrument(Device):
 
 
 def identity_from_line(line: str) -> Texts:
-    """Maker, model, serial number and firmware; older Siglents add a header and a fifth field."""
+    """Maker, model, serial number and firmware of an answer to ``*IDN?``, by name."""
     fields = [field.strip() for field in line.removeprefix("*IDN ").split(",")]
-    if len(fields) not in (4, 5):
+    if len(fields) not in (4, 5):  # older Siglents add a header and a fifth field
         raise ValueError(line)
     return dict(
         zip(("maker", "model", "serial_number", "firmware"), fields, strict=False)
@@ -97,7 +97,7 @@ class SignalGenerator(ScpiInstrument):
     }
 
     def reset(self) -> None:
-        """Bring it into its factory state, without burst, sweep, modulation and coupling."""
+        """Reset to the factory settings: no burst, sweep, modulation or coupling of channels."""
         self._write("*RST")
         usual = self._connection.timeout
         self._connection.timeout = 10_000  # ms, until it is done
@@ -114,7 +114,7 @@ class SignalGenerator(ScpiInstrument):
                 self._expect(f"{kind} of channel {channel}", False, state != "OFF")
 
     def sine(self, channel: int, *, frequency: float, amplitude: float) -> None:
-        """Set a sine, Hz and V peak to peak into 50 Ohm, which the amplitude depends on."""
+        """Set a sine: frequency, Hz, and amplitude, V peak to peak into 50 Ohm; read it back."""
         self._within(channel=channel, frequency=frequency, amplitude=amplitude)
         self._write(f"C{channel}:OUTP LOAD,50")
         self._write(
@@ -133,7 +133,7 @@ class SignalGenerator(ScpiInstrument):
             self._expect(key, wanted, number(found.get(key, "")), 1e-3 + 1e-9 * wanted)
 
     def output(self, channel: int, on: bool) -> None:
-        """Switch a channel's output, and check it."""
+        """Switch a channel's output, and read it back."""
         self._write(f"C{channel}:OUTP {'ON' if on else 'OFF'}")
         self._expect(f"output {channel}", on, self.output_is_on(channel))
 

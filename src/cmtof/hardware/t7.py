@@ -1,4 +1,4 @@
-"""Read-out LabJack T7 over Modbus TCP: digital lines, bursts of samples, watchdog.
+"""Driver of the read-out LabJack T7 over Modbus TCP: lines, bursts of samples, watchdog.
 
 Registers are those of LabJack's ljm_constants.json, in t7.yml; function 76 (feedback), reads and
 writes in their order in one frame, and the packets of the stream are LabJack's own (T-Series
@@ -39,7 +39,7 @@ COMPLETE = 2944  # status of a burst's last packet; 2940 to 2943 stand for skipp
 
 
 def written(values: Registers) -> bytes:
-    """Feedback frame that writes registers in their order; arrays are values one after another."""
+    """Bytes of a feedback frame that writes registers in order; an array fills consecutive ones."""
     frame = b""
     for register, value in values.items():
         address, kind = REGISTERS[register]
@@ -49,7 +49,7 @@ def written(values: Registers) -> bytes:
 
 
 def read(register: str) -> bytes:
-    """Part of a feedback frame that reads a register."""
+    """Bytes of the part of a feedback frame that reads a register."""
     address, kind = REGISTERS[register]
     return struct.pack(">BHB", 0, address, struct.calcsize(f">{kind}") // 2)
 
@@ -81,7 +81,7 @@ class LabJackT7(Device):
         self._settings = {}
         self._waveform = {}
         self._size = 0
-        self.rate = 0.0  # of the last burst, as the converter made it, Hz
+        self.rate = 0.0  # actual sample rate of the last burst, Hz
 
     def close(self) -> None:
         """Close both connections."""
@@ -89,24 +89,24 @@ class LabJackT7(Device):
         self._connection.close()
 
     def gain(self) -> Gain:
-        """Calibration of the inputs, of the converter that streams."""
+        """Calibration of the inputs, read from the device's flash."""
         self.write_many({"INTERNAL_FLASH_READ_POINTER": CALIBRATION})
         gain = Gain(*self._values("INTERNAL_FLASH_READ"))
         self._expect("slope", 3.158e-4, gain.positive_slope, 1e-4)
         return gain
 
     def line(self, dio: str) -> bool:
-        """Level of a digital line, which this makes an input."""
+        """Level of a digital line, True if high; reading makes it an input."""
         return bool(self._values(dio)[0])
 
     def set_line(self, dio: str, high: bool) -> None:
-        """Make a digital line an output at that level, and check it at the terminal."""
+        """Make a digital line an output, high or low, and read its level back."""
         self.write_many({dio: high})
         (state,) = self._values("FIO_STATE")
         self._expect(dio, high, int(state) >> int(dio[-1]) & 1)
 
     def write_many(self, values: Registers) -> None:
-        """Write registers in their order in one frame, once."""
+        """Write registers by name, in order, in one frame that is never repeated."""
         self._feedback(written(values))
 
     def configure_burst(
@@ -122,7 +122,7 @@ class LabJackT7(Device):
         self._within(rate=rate * (1 + len(channels)), pulse=pulse)
         if scans % pulse:
             raise ValueError(
-                f"Expected pulses of {pulse} samples, got {scans}. Change one."
+                f"Expected bursts of whole pulses of {pulse} samples, got {scans}. Change one."
             )
         bit = 1 << int(pulse_line[-1])
         inhibit = (0xFF & ~bit) << 8
@@ -164,7 +164,7 @@ class LabJackT7(Device):
         }
 
     def bursts(self, requests: Requests) -> Iterator[Counts]:
-        """Counts of a burst for each request, whose registers go into its first frame."""
+        """Counts of one burst per request, whose registers are written in the starting frame."""
         self._stop()  # a waveform goes on where it stopped: one that broke off is set up again
         self._set(self._settings)
         self.write_many({"STREAM_OUT0_ENABLE": 0})
@@ -188,7 +188,7 @@ class LabJackT7(Device):
         self._expect("rate", wanted, self.rate, 1e-3 * wanted)
 
     def _samples(self) -> Counts:
-        """Counts of the packets of a burst that has been started."""
+        """Counts of a started burst, from its packets, 16-bit."""
         width = 8 + gcd(self._size, PACKET)  # words of a packet, 8 of them its head
         wanted = self._size // (width - 8) * 2 * width
         with one_error(self.name):
@@ -213,7 +213,7 @@ class LabJackT7(Device):
         return words[:, 8:].ravel().astype(np.uint16)
 
     def _stop(self) -> None:
-        """Stop a stream; the T7 refuses that where none runs."""
+        """Stop the stream; no error if none runs."""
         try:
             self.write_many({"STREAM_ENABLE": 0})
         except Refused:
@@ -222,7 +222,7 @@ class LabJackT7(Device):
             self._fail(ConnectionLost, "answer", "silence", "Check power and cable.")
 
     def watchdog(self, seconds: int) -> None:
-        """Let the device pull its safe lines low when no host speaks for so many seconds."""
+        """Set the watchdog: safe lines go low when no request comes for so many seconds."""
         used = self._bits(self._safe_lines)
         wanted = {
             "WATCHDOG_ADVANCED_DEFAULT": 0,
@@ -245,7 +245,7 @@ class LabJackT7(Device):
             self._set(wanted)
 
     def save_power_up_state(self) -> None:
-        """Make low outputs of the safe lines what they are after power-up, too; in flash, once.
+        """Store low outputs of the safe lines as the power-up state; once, as it wears the flash.
 
         From the factory all lines are inputs with 100 kOhm to 3.3 V then, which read as high.
         """
@@ -255,17 +255,17 @@ class LabJackT7(Device):
     def safe_state(self) -> None:
         """Pull the safe lines low, park the mirrors, and stop a running stream."""
         # parked twice: the mirrors cannot be read back, so nobody sees a write that was lost
-        park = partial(self.write_many, self._parked)
-        insist(self._lower_lines, park, park, self._stop)
+        park_mirrors = partial(self.write_many, self._parked)
+        insist(self._lower_lines, park_mirrors, park_mirrors, self._stop)
 
     def _lower_lines(self) -> None:
-        """Make all safe lines low outputs in one frame, and check them at the terminals."""
+        """Make all safe lines low outputs in one frame, and read their levels back."""
         self.write_many(dict.fromkeys(self._safe_lines, 0))
         (state,) = self._values("FIO_STATE")
         self._expect("safe lines", 0, int(state) & self._bits(self._safe_lines))
 
     def _bits(self, lines: Sequence[str]) -> int:
-        """Mask of digital lines."""
+        """Bit mask of digital lines such as FIO0."""
         return sum(1 << int(line[-1]) for line in lines)
 
     def _identity(self) -> Texts:
@@ -279,7 +279,7 @@ class LabJackT7(Device):
         }
 
     def _set(self, values: Mapping[str, float]) -> None:
-        """Write registers, and compare what the device holds then."""
+        """Write registers and read them back; `Refused` if one differs."""
         self.write_many(values)
         for (name, wanted), found in zip(
             values.items(), self._values(*values), strict=True
@@ -289,12 +289,12 @@ class LabJackT7(Device):
 
     @question
     def _values(self, *registers: str) -> tuple[float, ...]:
-        """Values of registers, read in one frame."""
+        """Values of registers, by name, read in one frame."""
         kinds = struct.Struct(">" + "".join(REGISTERS[name][1] for name in registers))
         return kinds.unpack(self._feedback(b"".join(map(read, registers)), kinds.size))
 
     def _feedback(self, frame: bytes, size: int = 0) -> bytes:
-        """Bytes of the reads in a feedback frame."""
+        """Answer of ``size`` bytes to a feedback frame: the values that it reads."""
         with one_error(self.name):
             try:
                 answer = self._connection.ask(frame)

@@ -1,1 +1,1 @@
-"""The learned unwrapping: inputs, networks, training and weights."""
+"""Unwrapping by networks: inputs, layers, training, weights and inference."""

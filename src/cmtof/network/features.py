@@ -1,4 +1,4 @@
-"""Inputs of a network, of NumPy or torch, made from a measurement (Fig. 5, Eq. 5); its classes."""
+"""Inputs of a network as arrays of NumPy or torch (Fig. 5, Eq. 5), and its classes of wraps."""
 
 import sys
 from collections.abc import Iterable
@@ -35,7 +35,7 @@ FEATURE_SETS: dict[str, tuple[str, ...]] = {
     "correlation": ("correlation",),
 }
 
-# Images of a kind for each frequency; one of the others.
+# Number of images per frequency of these kinds of input; the others have one.
 IMAGES = {"fourier": 2 * (ORDER + 1), "edges": 4, "correlation": 4}
 
 # Where a pixel's neighbours lie: rows above and columns to the left.
@@ -46,7 +46,7 @@ FULL_AMPLITUDE = 20 * 1000 / np.pi
 
 
 def padding(size: int, stride: int) -> int:
-    """Pixels that an image lacks to a multiple of a network's stride.
+    """Number of pixels to add to a side, so that it is a multiple of a network's stride.
 
     Two strides at least: in training a batch norm needs more than one value.
     """
@@ -54,7 +54,7 @@ def padding(size: int, stride: int) -> int:
 
 
 def channels(name: str) -> int:
-    """Number of channels of a set of features."""
+    """Number of input channels of a set of features, a name of `FEATURE_SETS`."""
     return 2 * sum(IMAGES.get(kind, 1) for kind in FEATURE_SETS[name])
 
 
@@ -69,7 +69,7 @@ def features(
     if correlation is None and name == "correlation":
         raise ValueError(
             "Expected raw correlations, which this network reads, got phases alone. "
-            "Keep them, or choose another."
+            "Keep the correlations, or choose another method."
         )
     xp = _namespace(phase)
 
@@ -82,7 +82,7 @@ def features(
         scale = xp.sqrt(amplitude * amplitude + (FULL_AMPLITUDE / 20) ** 2)
         return xp.moveaxis(correlation, -3, 0) / scale
 
-    made = {
+    builders = {
         "phase": lambda: [phase / TAU],
         "fourier": lambda: _octaves(phase, ORDER),
         "edges": lambda: _edges(phase),
@@ -99,7 +99,7 @@ def features(
     used = 0
     for kind in FEATURE_SETS[name]:
         count = IMAGES.get(kind, 1)
-        for k, pair in enumerate(made[kind]()):
+        for k, pair in enumerate(builders[kind]()):
             found[..., used + k : used + 2 * count : count, :, :] = pair
         used += 2 * count
     return found
@@ -115,7 +115,7 @@ def fourier_features(phase: Array, order: int = ORDER) -> Array:
 
 
 def _octaves(phase: Array, order: int) -> Iterable[Array]:
-    """Cosines and sines of phases and of their multiples by powers of two."""
+    """Cosine and sine (...), in turn, of phases times 1, 2, 4, ... 2^order."""
     xp = _namespace(phase)
     cosine = xp.cos(phase)
     sine = xp.sin(phase)
@@ -139,7 +139,7 @@ def phase_edges(phase: Array) -> Array:
 
 
 def _edges(phase: Array) -> Iterable[Array]:
-    """Differences of phases from each of their neighbours."""
+    """Wrapped differences (..., H, W), rad, to each of `NEIGHBOURS`, one after the other."""
     xp = _namespace(phase)
     for down, right in NEIGHBOURS:
         edge = phase - xp.roll(phase, (down, right), (-2, -1))
@@ -151,5 +151,5 @@ def _edges(phase: Array) -> Iterable[Array]:
 
 
 def _namespace(array: Array) -> Any:
-    """NumPy, or torch for a tensor: they share the names used here."""
+    """Module of the array, NumPy or torch, which share the function names used here."""
     return sys.modules["torch"] if type(array).__module__.startswith("torch") else np

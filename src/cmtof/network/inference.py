@@ -1,4 +1,4 @@
-"""Inference by ONNX Runtime: a network's graph, joined with weights, and the unwrapping by it.
+"""Inference by ONNX Runtime: a network's graph and weights, and unwrapping with them.
 
 Graphs travel with the package, without weights (`cmtof_book.onnx_graphs` writes them);
 weights are those of `cmtof.network.weights`, which training goes on from. torch is not needed.
@@ -55,7 +55,7 @@ create_and_register_allocator(
 
 @dataclass(frozen=True)
 class Ready:
-    """A network that can run: what tells it from others, its card and its weights."""
+    """A network that can run: a unique name, its card and its weights."""
 
     name: str
     card: Card = field(compare=False)
@@ -63,7 +63,7 @@ class Ready:
 
 
 def read_graph(card: Card) -> bytes:
-    """Graph of a model, an ONNX file without weights."""
+    """Content of a model's ONNX file, a graph without weights."""
     path = FOLDER / f"{card.model}.{card.protocol}.onnx.gz"
     if not path.is_file():
         raise Refused("no such model")
@@ -86,7 +86,7 @@ def load_network(path: Path) -> Ready:
 
 @lru_cache(maxsize=8)
 def session(ready: Ready, size: Shape | None = None) -> InferenceSession:
-    """Session of ONNX Runtime for images of one size; without a size it only tells of its graph.
+    """Session of ONNX Runtime for images of one size (H, W), or of no size for the metadata alone.
 
     It fuses more layers where the size is known, in half of the memory.
     """
@@ -101,12 +101,12 @@ def session(ready: Ready, size: Shape | None = None) -> InferenceSession:
         options.add_free_dimension_override_by_name("columns", size[1])
     else:
         options.graph_optimization_level = GraphOptimizationLevel.ORT_DISABLE_ALL
-    held = {
+    initializers = {
         name: OrtValue.ortvalue_from_numpy(array.astype(np.float32))
         for name, array in ready.weights.items()
         if array.dtype.kind == "f"
     }
-    options.add_external_initializers(list(held), list(held.values()))
+    options.add_external_initializers(list(initializers), list(initializers.values()))
     return InferenceSession(
         read_graph(ready.card), options, providers=["CPUExecutionProvider"]
     )
@@ -134,20 +134,20 @@ def unwrap_with_network(
             0.5 + output(ready, measurement, mirrored)[0]
         )
         depth = turns * wrap_length(FREQUENCIES[0])
-        sure = np.full_like(depth, card.validation.delta_lt_1)
+        confidence = np.full_like(depth, card.validation.delta_lt_1)
     else:
         odds = scores(ready, measurement, first, last, mirrored)
         depth = depth_from_wraps(
             measurement.phase[0], first + (odds == 0).argmax(0), FREQUENCIES[0]
         )
-        sure = 1 / np.exp(odds, out=odds).sum(0)  # a softmax, in place
-    return within_range(depth, measurement), sure
+        confidence = 1 / np.exp(odds, out=odds).sum(0)  # a softmax, in place
+    return within_range(depth, measurement), confidence
 
 
 def network_for(
     measurement: Measurement, model: str | None = None, weights: AnyPath | None = None
 ) -> Ready:
-    """Network of the given or the shipped weights; a ValueError if it does not fit."""
+    """Network with given or shipped weights; a ValueError if it does not fit the measurement."""
     tones = measurement.frequencies
     if tones.size < 2 or not np.allclose(tones[:2], FREQUENCIES, rtol=1e-6):
         raise ValueError(
@@ -160,7 +160,7 @@ def network_for(
     ready = load_network(path)
     if model not in (None, ready.card.model):
         raise ValueError(
-            f"Expected weights of {model}, got those of {ready.card.model}. Name that method."
+            f"Expected weights of {model}, got those of {ready.card.model}. Choose that method."
         )
     return ready
 
@@ -190,7 +190,7 @@ def scores(
 
 
 def network_images(measurement: Measurement, kind: str) -> list[Single]:
-    """Phases, amplitudes (2, H, W) and, if read, correlations (2, 4, H, W): the features' source.
+    """Phase, rad, and amplitude (2, H, W); for raw features also correlations (2, 4, H, W).
 
     Amplitudes in other units than the simulation's counts are scaled, for each frequency, so that
     the brightest tenth of the image begins at a white surface's.
@@ -208,20 +208,20 @@ def network_images(measurement: Measurement, kind: str) -> list[Single]:
 
 
 def _at_quadratures(dataset: xr.Dataset) -> Array:
-    """Correlations (2, 4, H, W) at psi = 0, 1/2, 1 and 3/2 pi."""
+    """Correlations (2, 4, H, W) at psi = 0, 1/2, 1, 3/2 pi; a ValueError if not measured."""
     psi = dataset["psi"].to_numpy()[:2]
-    off = np.abs(centred(psi[:, :, None] - np.asarray(QUADRATURES)))
-    if not (off.min(1) <= 1e-6).all():
+    distance = np.abs(centred(psi[:, :, None] - np.asarray(QUADRATURES)))
+    if not (distance.min(1) <= 1e-6).all():
         raise ValueError(
             "Expected correlations at psi = 0, 1/2, 1 and 3/2 pi, which the network was trained "
             f"on, got psi = {np.round(psi[0], 3).tolist()} rad. Choose another method."
         )
-    held = dataset["correlation"].to_numpy()[:2]
-    return np.take_along_axis(held, off.argmin(1)[..., None, None], axis=1)
+    correlation = dataset["correlation"].to_numpy()[:2]
+    return np.take_along_axis(correlation, distance.argmin(1)[..., None, None], axis=1)
 
 
 def about(ready: Ready) -> Texts:
-    """What a graph reads (``features``), answers (``target``), and its ``stride``, px."""
+    """Metadata of a network: its inputs (``features``), output (``target``), ``stride``, px."""
     return session(ready).get_modelmeta().custom_metadata_map
 
 
@@ -244,14 +244,14 @@ def output(ready: Ready, measurement: Measurement, mirrored: bool = False) -> Si
 
 def run_padded(ready: Ready, inputs: Single) -> Single:
     """Output (C, H, W) for inputs (1, C', H, W), which are padded to the network's stride."""
-    told = about(ready)
-    stride = int(told["stride"])
+    metadata = about(ready)
+    stride = int(metadata["stride"])
     height, width = inputs.shape[-2:]
-    more = [(0, padding(size, stride)) for size in (height, width)]
-    if np.any(more):  # or the copy would take a tenth of the time
-        inputs = np.pad(inputs, [(0, 0), (0, 0), *more], mode="edge")
+    margins = [(0, padding(size, stride)) for size in (height, width)]
+    if np.any(margins):  # or the copy would take a tenth of the time
+        inputs = np.pad(inputs, [(0, 0), (0, 0), *margins], mode="edge")
     network = session(ready, inputs.shape[-2:])
-    how = RunOptions()  # memory beyond what stays is given back at once
-    how.add_run_config_entry("memory.enable_memory_arena_shrinkage", "cpu:0")
-    (found,) = network.run(None, {told["features"]: inputs}, how)
+    options = RunOptions()  # memory beyond the shared 256 MiB is freed at once
+    options.add_run_config_entry("memory.enable_memory_arena_shrinkage", "cpu:0")
+    (found,) = network.run(None, {metadata["features"]: inputs}, options)
     return found[0, :, :height, :width]

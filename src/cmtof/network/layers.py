@@ -1,4 +1,4 @@
-"""Layers of which the networks are built."""
+"""Layers that the networks share."""
 
 import torch
 from torch import Tensor, nn
@@ -6,7 +6,7 @@ from torch.nn import functional
 
 
 class SingleConv2d(nn.Conv2d):
-    """Convolution in single precision, whatever the network's.
+    """Convolution in single precision, also where the network runs in mixed precision.
 
     On CPUs PyTorch 2.13's bfloat16 gradient of dilated depthwise kernels reads unset memory.
     """
@@ -19,7 +19,7 @@ class SingleConv2d(nn.Conv2d):
 
 
 class ImageNorm(nn.InstanceNorm2d):
-    """Norm over each image without weights."""
+    """Normalisation of each image and channel to mean 0 and variance 1, without weights."""
 
     def forward(self, input: Tensor) -> Tensor:
         if not self.training:
@@ -32,7 +32,7 @@ class ImageNorm(nn.InstanceNorm2d):
 
 
 class Normed(nn.Sequential):
-    """Convolution, batch norm, and what follows them.
+    """Convolution, batch norm, and further layers such as a ReLU.
 
     A norm that keeps its statistics is a scale and an offset: they go into the kernel and its bias,
     which spares passes over the image.
@@ -50,7 +50,7 @@ class Normed(nn.Sequential):
 
 
 def scale_and_offset(norm: nn.Module) -> tuple[Tensor, Tensor]:
-    """What a batch norm with fixed statistics multiplies each channel with, and adds to it."""
+    """Factor and summand (C,) of each channel, to which a batch norm in evaluation amounts."""
     scale = norm.weight * torch.rsqrt(norm.running_var + norm.eps)
     return scale, norm.bias - norm.running_mean * scale
 
@@ -58,7 +58,7 @@ def scale_and_offset(norm: nn.Module) -> tuple[Tensor, Tensor]:
 def conv(
     i: int, o: int, kernel=3, *, relu=True, norm=nn.BatchNorm2d, dilation=1, **more
 ) -> Normed:
-    """Convolution, norm, ReLU; `torch.nn.Conv2d` has ``more``."""
+    """Convolution from i to o channels, norm, ReLU; ``more`` are options of `torch.nn.Conv2d`."""
     # one kernel for each channel
     alone = dilation > 1 and more.get("groups", 1) > 1
     kind = SingleConv2d if alone else nn.Conv2d
@@ -68,14 +68,14 @@ def conv(
 
 
 def separable(i: int, o: int, stride: int = 1, norm=nn.BatchNorm2d) -> nn.Sequential:
-    """Depthwise separable convolution."""
+    """Depthwise separable convolution from i to o channels."""
     return nn.Sequential(
         conv(i, i, stride=stride, groups=i, norm=norm), conv(i, o, 1, norm=norm)
     )
 
 
 def resized(x: Tensor, like: Tensor) -> Tensor:
-    """Image at the size of another, bilinear, pixel centres at +0.5."""
+    """Images (B, C, H, W) resized to those of ``like``, bilinearly, pixel centres at +0.5."""
     return functional.interpolate(
         x, size=like.shape[-2:], mode="bilinear", align_corners=False
     )
@@ -116,7 +116,7 @@ class Residual(nn.Module):
 
 
 def window_mean(side: int) -> nn.Sequential:
-    """Mean over a square window, of what lies in the image: along columns, then along rows."""
+    """Layer of means over a square window, px, of the part of it inside the image."""
     columns = nn.AvgPool2d((side, 1), 1, (side // 2, 0), count_include_pad=False)
     rows = nn.AvgPool2d((1, side), 1, (0, side // 2), count_include_pad=False)
     return nn.Sequential(columns, rows)

@@ -1,4 +1,4 @@
-"""Losses of training: cross-entropy of the classes and distance in depth (Sec. 5.2)."""
+"""Losses of a training: cross-entropy of the classes and distance in depth (Sec. 5.2)."""
 
 import torch
 from torch import Tensor

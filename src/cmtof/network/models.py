@@ -1,4 +1,4 @@
-"""Networks that unwrap: the paper's (Fig. 5), the rows of Table 1, and the learned baselines.
+"""Networks that unwrap: the paper's (Fig. 5), its variants in Table 1, learned baselines.
 
 Layers follow the articles; sizes are our reading, about 1.2 million weights for all.
 """
@@ -29,12 +29,12 @@ from cmtof.network.layers import (
 # Change of the beat `phi_2 - 2 phi_1` from one wrap of the lower frequency to the next, rad.
 BEAT = TAU * (FREQUENCIES[1] / FREQUENCIES[0] - 2)
 
-# First filters are large: norms divide it out, and steps of the optimiser disturb the sums less.
+# Factor of those first filters: norms divide it out, and the optimiser disturbs the sums less.
 LARGE = 8.0
 
 
 class Model(NamedTuple):
-    """A network, the name of its inputs, and its loss."""
+    """Class of a network, name of its set of features, and weights of its loss."""
 
     network: "type[Network]"
     features: str = "proposed"
@@ -134,7 +134,7 @@ class FastSCNN(Network):
         return self.output(self.joined(context, skip))
 
     def joined(self, context: Tensor, skip: Tensor) -> Tensor:
-        """Sum of the context, at full resolution, and the skip's convolution; norm, ReLU."""
+        """ReLU of the norm of the resized context plus the skip's convolution, (B, C, H, W)."""
         if self.norm.training:
             return functional.relu(self.norm(resized(context, skip) + self.skip(skip)))
         scale, offset = (x.view(-1, 1, 1, 1) for x in scale_and_offset(self.norm))
@@ -144,7 +144,7 @@ class FastSCNN(Network):
 
     @torch.no_grad()
     def see_the_beat(self, first: int) -> None:
-        r"""Initialise half of the stem, and a path to the pyramid, so that the beat is seen.
+        r"""Set half of the stem, and a path to the pyramid, so that they compute the beat.
 
         Means of :math:`|\cos(\varphi_2 + \alpha) - \cos(2\varphi_1 + \alpha + \beta)|` over alpha
         depend on the beat alone. beta lies a quarter turn below and above the middle of the range,
@@ -152,13 +152,13 @@ class FastSCNN(Network):
         """
         quarters = (1, -1) if self.classes * BEAT < TAU / 2 else (0, 1, 2, 3)
         middle = BEAT * (first + self.classes / 2)
-        self._filter([middle + TAU / 4 * quarter for quarter in quarters])
-        self._hand_on(len(quarters))
+        self._set_beat_filters([middle + TAU / 4 * quarter for quarter in quarters])
+        self._pass_beat_on(len(quarters))
         if len(quarters) > 2:
-            self._begin_alike()
+            self._set_smooth_output()
 
-    def _filter(self, betas: list[float]) -> None:
-        """Half of the stem's filters: as many angles alpha for each beta."""
+    def _set_beat_filters(self, betas: list[float]) -> None:
+        """Set half of the stem's filters: for each beta, rad, as many angles alpha."""
         angles = self.stem_width // 2 // len(betas)
         alpha = TAU / angles * torch.arange(angles)
         moved = torch.cat([alpha + beta for beta in betas])
@@ -169,8 +169,8 @@ class FastSCNN(Network):
         octaves = [14, 15, 4, 5]  # after two phases
         weight[: len(filters), octaves, 1, 1] = LARGE * filters
 
-    def _hand_on(self, places: int) -> None:
-        """Eight channels for the sums over alpha and their differences, as far as the pyramid."""
+    def _pass_beat_on(self, places: int) -> None:
+        """Pass the sums over alpha and their differences through eight channels to the pyramid."""
         angles = self.stem_width // 2 // places
         sums = torch.eye(places).repeat_interleave(angles, 1) * (LARGE / (2 * angles))
         sums = torch.cat([sums, sums - sums.roll(1, 0)]).repeat(4 // places, 1)
@@ -192,8 +192,8 @@ class FastSCNN(Network):
                 kernel.weight[k, 0 if kernel.groups > 1 else k] = LARGE / size
             norm.bias[:8] = 2.0 if relu else 0.0
 
-    def _begin_alike(self) -> None:
-        """Classes near each other: smooth random functions of the place in the range."""
+    def _set_smooth_output(self) -> None:
+        """Set the output's weights to smooth random functions of the class."""
         cycle = torch.arange(1, 65)
         place = torch.arange(self.classes) + 0.5
         codes = torch.randn(64, self.head_width) / (1 + (cycle[:, None] / 6) ** 2)
@@ -202,7 +202,7 @@ class FastSCNN(Network):
 
 
 class LightFastSCNN(FastSCNN):
-    """A tenth of the weights."""
+    """Fast-SCNN with a tenth of the weights."""
 
     stem_width = 16
     head_width = 32
@@ -340,7 +340,7 @@ class Rapid(Network):
         self.coarse = nn.Sequential(*stages[1:])
         self.near = conv(112, 80, 1)
         self.far = nn.ModuleList(conv(112, 80, dilation=rate) for rate in (6, 12, 18))
-        self.whole = nn.Conv2d(112, 80, 1)  # one pixel of one crop bears no norm
+        self.whole = nn.Conv2d(112, 80, 1)  # no norm: one crop has one pixel here
         self.join = conv(5 * 80, 80, 1)
         self.skip = conv(48, 24, 1)
         self.decoder = nn.Sequential(conv(80 + 24, 64), conv(64, 64))
@@ -373,7 +373,7 @@ MODELS = {
 
 
 def build_network(name: str, protocol: str = "released") -> Network:
-    """Network of a model with fresh weights; a stem that reads Fourier features sees the beat."""
+    """Network of a model and protocol with initial weights, random but for `see_the_beat`."""
     model = MODELS[name]
     first, classes = CLASSES[protocol]
     network = model.network(model, classes)

@@ -1,4 +1,4 @@
-"""Muon: momentum whose directions all count alike, for kernels (Jordan et al. 2024)."""
+"""Muon: an optimiser that orthogonalises the momentum of kernels (Jordan et al. 2024)."""
 
 from collections.abc import Callable, Iterable
 from typing import Any
@@ -13,7 +13,7 @@ MOMENTUM = 0.95
 
 
 class Muon(torch.optim.AdamW):
-    """AdamW, but a group with ``orthogonal`` moves by its orthogonalised momentum.
+    """AdamW, but groups with ``orthogonal`` are updated by their orthogonalised momentum.
 
     Steps are scaled as large as AdamW's are, so that one learning rate fits both (Liu et al. 2025).
     """
@@ -27,13 +27,13 @@ class Muon(torch.optim.AdamW):
         for group in self.param_groups:
             if group["orthogonal"]:
                 for kernel in group["params"]:
-                    self._turn(kernel, group["lr"], group["weight_decay"])
-        super().step()  # passes over what has no gradient left
+                    self._update_kernel(kernel, group["lr"], group["weight_decay"])
+        super().step()  # skips parameters without a gradient
         return loss
 
     @torch.no_grad()
-    def _turn(self, kernel: Tensor, rate: float, decay: float) -> None:
-        """Move a kernel, and spend its gradient."""
+    def _update_kernel(self, kernel: Tensor, rate: float, decay: float) -> None:
+        """Update a kernel by its orthogonalised momentum, and clear its gradient."""
         state = self.state[kernel]
         if not state:
             state["momentum"] = torch.zeros_like(kernel)
@@ -42,14 +42,14 @@ class Muon(torch.optim.AdamW):
             )  # AdamW asks for it when a checkpoint is loaded
         state["momentum"].lerp_(kernel.grad, 1 - MOMENTUM)
         ahead = kernel.grad.lerp(state["momentum"], MOMENTUM)
-        turned = orthogonal(ahead.flatten(1)).view_as(kernel)
+        direction = orthogonal(ahead.flatten(1)).view_as(kernel)
         size = max(kernel.shape[0], kernel[0].numel())
-        kernel.mul_(1 - rate * decay).sub_(turned, alpha=0.2 * size**0.5 * rate)
+        kernel.mul_(1 - rate * decay).sub_(direction, alpha=0.2 * size**0.5 * rate)
         kernel.grad = None
 
 
 def orthogonal(matrix: Tensor) -> Tensor:
-    """Nearly the nearest orthogonal matrix: five quintic Newton-Schulz steps.
+    """Approximation of the nearest orthogonal matrix by five quintic Newton-Schulz steps.
 
     Singular values of one tenth to one of the largest become 0.7 to 1.2.
     """

@@ -1,4 +1,4 @@
-"""Layers of the authors' public code, which are not those of the paper's text.
+"""Layers of the authors' public code, which differ from the paper's text.
 
 Facts from https://github.com/princeton-computational-imaging/GHz-ToF, ``net/arch.py``.
 """
@@ -11,14 +11,14 @@ from cmtof.network.layers import ImageNorm, conv
 
 
 def spread(x: Tensor, like: Tensor) -> Tensor:
-    """Image at the size of another, bilinear, corners on corners."""
+    """Images (B, C, H, W) resized to those of ``like``, bilinearly, with aligned corners."""
     return functional.interpolate(
         x, size=like.shape[-2:], mode="bilinear", align_corners=True
     )
 
 
 def means(size: int, count: int, like: Tensor) -> Tensor:
-    """Shares (count, size) of pixels in the means over equal parts of a row.
+    """Matrix (count, size) that averages a row of ``size`` pixels over ``count`` equal parts.
 
     They are those of adaptive pooling, which ONNX does not have.
     """
@@ -30,7 +30,7 @@ def means(size: int, count: int, like: Tensor) -> Tensor:
 
 
 class Pyramid(nn.Module):
-    """Features beside their means over parts of the image.
+    """Features joined with their means over parts of the image (pyramid pooling).
 
     The public code has a mean over all of it, too, of which its norm leaves nothing.
     """

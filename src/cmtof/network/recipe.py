@@ -1,4 +1,4 @@
-"""The recipe of a training: stages, rooms and schedule, by name or from a file."""
+"""Configuration of a training: stages, rooms and schedule, by name or from a file."""
 
 from importlib.resources import files
 from pathlib import Path
@@ -21,7 +21,7 @@ PRESETS: Fields = yaml.safe_load(
 
 
 class Rooms(Strict):
-    """Rendered frames to train on."""
+    """Set of rendered rooms to train on: numbers, and size of views, px."""
 
     seed: Count = 1
     scenes: PositiveInt = 100
@@ -31,7 +31,7 @@ class Rooms(Strict):
 
 
 class Stage(Strict):
-    """A part of a training: crops in all, their side in px, and how many make a step."""
+    """A part of a training: number of crops, their side, px, crops per step, noise and rate."""
 
     name: str
     crops: PositiveInt
@@ -49,12 +49,12 @@ class Stage(Strict):
 
     @property
     def steps(self) -> int:
-        """Optimisation steps."""
+        """Number of optimisation steps."""
         return max(self.crops // self.batch, 1)
 
 
 class Config(Strict):
-    """One training: everything that decides its outcome."""
+    """Configuration of one training: everything that decides its result."""
 
     name: str = "own"
     model: str = "fast-scnn"
@@ -77,7 +77,7 @@ class Config(Strict):
     seed: Count = 0
 
     @model_validator(mode="after")
-    def _fits(self) -> "Config":
+    def _check_model_and_crops(self) -> "Config":
         if self.model not in MODELS:
             known = ", ".join(MODELS)
             raise ValueError(
@@ -86,17 +86,17 @@ class Config(Strict):
         side = min(self.rooms.height, self.rooms.width) if self.rooms else 0
         if any(stage.rooms and stage.crop > side for stage in self.stages):
             raise ValueError(
-                f"Expected crops within rooms of {side} px, got larger. Crop less."
+                f"Expected crops within rooms of {side} px, got larger ones. Make crop smaller."
             )
         return self
 
     @property
     def steps(self) -> int:
-        """Optimisation steps."""
+        """Number of optimisation steps."""
         return sum(stage.steps for stage in self.stages)
 
     def stage_at(self, step: int) -> tuple[Stage, float]:
-        """Stage of a step, and the share of the stage that lies before it."""
+        """Stage of a step, counted from 0, and the share of the stage before it, 0 to 1."""
         for stage in self.stages:
             if step < stage.steps:
                 return stage, step / stage.steps
@@ -104,20 +104,20 @@ class Config(Strict):
         return self.stages[-1], 1.0
 
     def rate_at(self, step: int) -> float:
-        """Learning rate of a step."""
+        """Learning rate at a step: linear within its stage, and rising in its first steps."""
         stage, share = self.stage_at(step)
         rate = stage.rate[0] + (stage.rate[1] - stage.rate[0]) * share
         return rate * min(1.0, (share * stage.steps + 1) / stage.warm)
 
 
 def read_config(source: AnyPath, **changes: Any) -> Config:
-    """Configuration by the name of a preset or from a YAML file; changes that are not None win."""
-    held = PRESETS.get(str(source))
+    """Configuration of a preset or a YAML file, with the ``changes`` that are not None."""
+    values = PRESETS.get(str(source))
     path = Path(source)
-    if held is None:
+    if values is None:
         check_input(
             path, f"a configuration out of {', '.join(PRESETS)}, or a YAML file"
         )
-    held = {"name": path.stem} | (read_document(path) if held is None else held)
-    given = {key: value for key, value in changes.items() if value is not None}
-    return checked(Config, held | given, f"the configuration {source}")
+    values = {"name": path.stem} | (read_document(path) if values is None else values)
+    replaced = {key: value for key, value in changes.items() if value is not None}
+    return checked(Config, values | replaced, f"the configuration {source}")

@@ -1,4 +1,4 @@
-"""Training in stages, the same to the bit after a kill (Sec. 8.1)."""
+"""Training in stages; resumed after a kill it ends with the same bits (Sec. 8.1)."""
 
 import ctypes
 import logging
@@ -44,7 +44,7 @@ from cmtof.types import Fields, Numbers, Values
 
 
 def loss_of(network: Network, sample: Sample) -> Tensor:
-    """Loss of a network on a sample (Eq. 7, or that of a regression)."""
+    """Loss of a network on a batch (Eq. 7; for a regression the absolute error), a scalar."""
     model = network.model
     found = network(sample.inputs)
     _, label, phase, turns = sample
@@ -61,7 +61,7 @@ def norms(network: nn.Module) -> list[nn.BatchNorm2d]:
 
 
 def optimizer_of(network: nn.Module, kind: str, rate: float = 1.0) -> Muon:
-    """AdamW, or Muon for dense kernels alone: kernels of single channels and offsets have AdamW."""
+    """Optimiser "adamw", or "muon" for dense kernels and AdamW for depthwise ones and offsets."""
     groups: list[Any] = [
         {"params": [], "weight_decay": decay} for decay in (1e-3, 1e-3, 0.0)
     ]
@@ -75,7 +75,7 @@ def optimizer_of(network: nn.Module, kind: str, rate: float = 1.0) -> Muon:
 def average_into(
     average: nn.Module, network: nn.Module, step: int, most: float
 ) -> None:
-    """Move averaged weights towards a network's; at first the average is that of all steps."""
+    """Move averaged weights towards a network's, in place: a moving average, shorter at first."""
     keep = min(most, step / (step + 9))
     new = network.state_dict()
     for name, old in average.state_dict().items():
@@ -84,7 +84,7 @@ def average_into(
 
 
 def keep_pages() -> None:
-    """Keep freed memory: to fetch its pages again costs a third of a step."""
+    """Let glibc keep freed memory: fetching its pages again costs a third of a step."""
     if platform.libc_ver()[0] == "glibc":
         library = ctypes.CDLL("libc.so.6")
         library.mallopt(-4, 0)  # M_MMAP_MAX
@@ -131,7 +131,7 @@ class Unwrapping(LightningModule):
         )
 
     def measured(self, batch: Batch) -> Sample:
-        """Inputs and labels of a batch."""
+        """Network inputs and labels of a batch: its crops, measured by simulation."""
         sample = measure(
             batch, inputs=self.average.model.features, protocol=self.config.protocol
         )
@@ -167,15 +167,15 @@ class Unwrapping(LightningModule):
         return [optimizer], [{"scheduler": schedule, "interval": "step"}]
 
     def on_save_checkpoint(self, checkpoint: Fields) -> None:
-        held = {"config": self.config.model_dump_json(), "curve": self.curve}
-        checkpoint["cmtof"] = held | {"seconds": time.monotonic() - self.began}
+        state = {"config": self.config.model_dump_json(), "curve": self.curve}
+        checkpoint["cmtof"] = state | {"seconds": time.monotonic() - self.began}
 
     def on_load_checkpoint(self, checkpoint: Fields) -> None:
         self.curve = checkpoint["cmtof"]["curve"]
         self.began -= checkpoint["cmtof"]["seconds"]
 
     def errors(self) -> Iterator[tuple[Numbers, Numbers]]:
-        """Wrap errors of the averaged weights in each held-out view, and the true classes."""
+        """Wrap errors (P,) of the averaged weights and true classes (P,) of each held-out view."""
         network = self.average.eval()
         pack = self.held_out
         places = np.linspace(0, len(pack.far) - 1, self.config.validation_views)
@@ -194,7 +194,7 @@ class Unwrapping(LightningModule):
                 yield abs(wraps[scored].cpu().numpy() - label), label
 
     def validated(self) -> Fields:
-        """Fields of a card: rates of the averaged weights and of trivial answers, and the gain."""
+        """Fields of a `Card`: rates of averaged weights and of trivial answers, and the gain."""
         ours, labels = zip(*self.errors(), strict=True)
         mode = int(np.bincount(np.concatenate(labels)).argmax())
         constants = {"middle": self.average.classes // 2, "mode": mode}
@@ -212,9 +212,10 @@ class Unwrapping(LightningModule):
 
 
 def _gain(ours: Sequence[Numbers], others: Sequence[Numbers]) -> tuple[float, ...]:
-    """How much more often ours are right, and its 95 % interval.
+    """Gain of ``ours`` over ``others`` in the share of right wraps, and its 95 % interval.
 
-    It is Student's, over views: their pixels are right or wrong together.
+    Both are wrap errors by view. The interval is Student's over views, as the pixels of a view are
+    right or wrong together.
     """
     gains = [np.mean(a < 1) - np.mean(b < 1) for a, b in zip(ours, others, strict=True)]
     interval = (-1.0, 1.0)
@@ -224,7 +225,7 @@ def _gain(ours: Sequence[Numbers], others: Sequence[Numbers]) -> tuple[float, ..
 
 
 def _rates(deltas: Sequence[Numbers]) -> weights.Rates:
-    """Rates of wrap errors over all views."""
+    """Rates of wrap errors, given by view, over the pixels of all views."""
     delta = np.concatenate(deltas)
     below = {f"delta_lt_{k}": float((delta < k).mean()) for k in (1, 2, 3)}
     return weights.Rates(**below, delta_ge_10=float((delta >= 10).mean()))
@@ -281,7 +282,7 @@ def train(
 
 
 def _check_checkpoint(last: Path, config: Config, resume: bool) -> None:
-    """Raise a ValueError unless a run is to go on from its whole checkpoint."""
+    """Raise a ValueError unless ``resume``, and the checkpoint is whole and of ``config``."""
     if not resume:
         raise ValueError(
             f"Expected a new folder, got a run in {last.parent}. "
@@ -290,13 +291,13 @@ def _check_checkpoint(last: Path, config: Config, resume: bool) -> None:
     try:
         if spoilt := zipfile.ZipFile(last).testzip():
             raise ValueError(f"{spoilt} is damaged")
-        held = torch.load(last, map_location="cpu", weights_only=True)["cmtof"]
-        stored = held["config"]
+        checkpoint = torch.load(last, map_location="cpu", weights_only=True)["cmtof"]
+        stored = checkpoint["config"]
     except Exception as error:  # pickle, zipfile and torch raise half a dozen kinds
         raise broken("a whole checkpoint", last, error) from error
     if stored != config.model_dump_json():
         raise ValueError(
-            f"Expected the configuration of {last}, got another. Change the folder."
+            f"Expected the configuration of {last}, got another. Choose another folder."
         )
 
 
@@ -324,7 +325,7 @@ def _trainer(config: Config, **flags: Any) -> Trainer:
 
 
 def _card(module: Unwrapping) -> weights.Card:
-    """Card of a training that has ended."""
+    """Card of the weights of a finished training."""
     config = module.config
     first, classes = CLASSES[config.protocol]
     data = "dead leaves"

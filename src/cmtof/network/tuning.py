@@ -56,7 +56,7 @@ def fine_tune(
     for _ in range(steps):
         tuner.learn(
             [
-                _piece(views[k], tuner.network, crop, rng)
+                _augmented_crop(views[k], tuner.network, crop, rng)
                 for k in rng.integers(len(views), size=batch)
             ]
         )
@@ -71,7 +71,7 @@ def fine_tune(
 
 
 class Tuner:
-    """A copy of a network that learns, and the average of its weights."""
+    """Copy of a network that is fine-tuned, its optimiser, and the average of its weights."""
 
     losses: list[float]  # of each step, before the weights learn from it
 
@@ -85,7 +85,7 @@ class Tuner:
         self.fall = torch.optim.lr_scheduler.LinearLR(self.optimizer, 1.0, 0.0, steps)
 
     def learn(self, pieces: list[Sample]) -> None:
-        """Learn from a batch of pieces."""
+        """Take one optimisation step on a batch of crops, and record its loss."""
         loss = loss_of(self.network, default_collate(pieces))
         self.optimizer.zero_grad()
         loss.backward()
@@ -97,7 +97,7 @@ class Tuner:
 
 
 def _views(trained: weights.Trained, examples: Sequence[Example]) -> list[tuple]:
-    """Views of examples with a label; a ValueError if there is none."""
+    """Examples with at least one label, as `_view` makes them; a ValueError if there is none."""
     views = [_view(trained, *example) for example in examples]
     views = [view for view in views if (view[1] != IGNORED).any()]
     if not views:
@@ -113,7 +113,7 @@ def _views(trained: weights.Trained, examples: Sequence[Example]) -> list[tuple]
 def _view(
     trained: weights.Trained, measurement: Measurement, wraps: NDArray, depth: NDArray
 ):
-    """Images, classes, `IGNORED` where unknown, and turns above the first class of an example."""
+    """Images, classes (H, W), `IGNORED` where unknown, and depth (H, W), wraps above the first."""
     (network, card), turns = trained, np.asarray(depth, float) / WRAP
     label = np.asarray(wraps, np.int64) - card.first_wrap
     known = (
@@ -127,11 +127,11 @@ def _view(
     )
 
 
-def _piece(
+def _augmented_crop(
     view: tuple, network: Network, side: int, rng: np.random.Generator
 ) -> Sample:
-    """Augmented crop with a labelled pixel; NumPy arrays."""
-    label, turns, phase, amplitude, *more = _cut(view, side, rng)
+    """Random crop with a labelled pixel, moved in depth; a sample of NumPy arrays."""
+    label, turns, phase, amplitude, *more = _random_window(view, side, rng)
     known = label != IGNORED
     move = 0.0
     if not more:  # raw correlations stay where they are
@@ -145,8 +145,8 @@ def _piece(
     return Sample(inputs, label, phase[0], turns + move)
 
 
-def _cut(view: tuple, side: int, rng: np.random.Generator) -> list[Array]:
-    """Classes, turns and images of a window about a labelled pixel, turned and mirrored."""
+def _random_window(view: tuple, side: int, rng: np.random.Generator) -> list[Array]:
+    """Classes, depth and images of a random window with a labelled pixel, turned and mirrored."""
     images, label, turns = view
     place = zip(rng.choice(np.argwhere(label != IGNORED)), label.shape, strict=True)
     y, x = (np.clip(at - rng.integers(side), 0, size - side) for at, size in place)

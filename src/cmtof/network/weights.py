@@ -1,4 +1,4 @@
-"""Weights of trained networks: safetensors in half precision, their cards and states.
+"""Weights of trained networks in half precision (safetensors), with cards of their origin.
 
 Nothing is ever unpickled. Inference reads weights as NumPy arrays, training as a network of torch.
 """
@@ -26,7 +26,7 @@ Count = Annotated[int, Field(ge=0, lt=2**63)]
 
 
 class Strict(BaseModel):
-    """Plain values with checked names and kinds."""
+    """Pydantic model that cannot be changed and refuses unknown names, NaN and infinity."""
 
     model_config = ConfigDict(extra="forbid", frozen=True, allow_inf_nan=False)
 
@@ -41,7 +41,7 @@ class Rates(Strict):
 
 
 class Card(Strict):
-    """Origin of weights, and what they reached on whole views of rooms that they never saw."""
+    """Origin of weights: model, training, and rates on views of rooms that were held out."""
 
     model: str
     protocol: Literal["released", "full"]
@@ -58,7 +58,7 @@ class Card(Strict):
     curve: list[Values]  # validation while training
     views: PositiveInt
     validation: Rates
-    trivial: dict[str, Rates]  # of answers that look at nothing, over the same pixels
+    trivial: dict[str, Rates]  # of constant answers, over the same pixels
     gain: tuple[
         float, float, float
     ]  # in δ < 1 over the best of them, and its 95 % interval
@@ -68,30 +68,30 @@ class Card(Strict):
 
 
 class Trained(NamedTuple):
-    """A network of torch with its weights, in evaluation mode, and its card."""
+    """Network of torch with trained weights, in evaluation mode, and its card."""
 
     network: Network
     card: Card
 
 
 class Refused(RuntimeError):
-    """Why weights cannot be used."""
+    """Error whose message is the reason why weights cannot be used."""
 
 
 def weights_path(model: str, protocol: str, folder: Path = FOLDER) -> Path:
-    """File of a model's weights; its card lies beside it as ``.json``."""
+    """Path of a model's weights in a folder; their card lies beside it as ``.json``."""
     return folder / f"{model}.{protocol}.safetensors"
 
 
 def state(model: str, protocol: str = "released", folder: Path = FOLDER) -> str:
-    """Trained (the gain is above zero with 95 % confidence), untrained or no weights."""
+    """State "trained" (a gain above zero with 95 % confidence), "untrained" or "no weights"."""
     if not (path := weights_path(model, protocol, folder)).is_file():
         return "no weights"
     return "trained" if read_card(path).gain[1] > 0 else "untrained"
 
 
 def find_weights(model: str, first: int, last: int, folder: Path = FOLDER) -> Path:
-    """Weights of a model with the fewest classes that hold the wraps first to last."""
+    """Path of a model's weights with the fewest classes that hold the wraps first to last."""
     for protocol, (low, count) in CLASSES.items():
         path = weights_path(model, protocol, folder)
         if path.is_file() and low <= first and last < low + count:
@@ -103,12 +103,14 @@ def find_weights(model: str, first: int, last: int, folder: Path = FOLDER) -> Pa
 
 
 def halved(network: Network) -> dict[str, Tensor]:
-    """Weights in half precision; running variances may exceed its range and stay in single."""
-    held = {
+    """Weights by name in half precision; statistics of norms in single, for their range."""
+    tensors = {
         name: tensor.cpu().contiguous() for name, tensor in network.state_dict().items()
     }
     single = ("running_mean", "running_var", "num_batches_tracked")
-    return {name: w if name.endswith(single) else w.half() for name, w in held.items()}
+    return {
+        name: w if name.endswith(single) else w.half() for name, w in tensors.items()
+    }
 
 
 def save_weights(path: Path, network: Network, card: Card) -> None:
@@ -126,15 +128,15 @@ def save_weights(path: Path, network: Network, card: Card) -> None:
 
 
 def read_card(weights: Path) -> Card:
-    """Card of a file of weights; a ValueError if there is none, or it is no card."""
+    """Card of a file of weights; a ValueError if it is missing or damaged."""
     path = weights.with_suffix(".json")
     try:
-        held = json.loads(small_file(path))
+        values = json.loads(small_file(path))
     except (OSError, ValueError, RecursionError) as error:
         raise ValueError(
             f"Expected the card of {weights.name} in {path}, got {error}. Keep both together."
         ) from error
-    return checked(Card, held, path)
+    return checked(Card, values, path)
 
 
 def read_weights(path: Path) -> tuple[dict[str, NDArray], Card]:
@@ -162,14 +164,14 @@ def read_weights(path: Path) -> tuple[dict[str, NDArray], Card]:
 
 
 def refused(path: Path, card: Card, error: Exception) -> ValueError:
-    """Error of weights that cannot be used, with its reason."""
+    """ValueError for weights that cannot be used, with the reason."""
     what = f"finite weights of {card.model} in {path} that fit their card"
     got = f"got others ({str(error).splitlines()[0]}). Fetch or train them again."
     return ValueError(f"Expected {what}, {got}")
 
 
 def load_weights(path: Path) -> Trained:
-    """Network of torch, to go on training; a ValueError if its file or card cannot be used."""
+    """Network of torch with the weights of a file; a ValueError if file or card cannot be used."""
     import torch
 
     from cmtof.network.models import MODELS, build_network
