@@ -39,9 +39,13 @@ def scores_in(records: Iterable[Record]) -> Scores:
     found: Scores = {}
     for record in records:
         for key, held in record.numbers.items() if record.name == PAPER else ():
-            about = {"crops": held["crops"], "chapter": record.chapter}
-            profile = record.content["provenance"]["profile"]
-            score = Score(numbers[key], held["cases"], profile, **about)
+            score = Score(
+                numbers[key],
+                held["cases"],
+                profile=record.content["provenance"]["profile"],
+                crops=held["crops"],
+                chapter=record.chapter,
+            )
             found.setdefault(key, score)
     return {key: found.get(key) or Score(number) for key, number in numbers.items()}
 
