@@ -109,8 +109,9 @@ def note(score: Score) -> str:
 
 def picture(scores: Scores) -> str:
     """Return the picture of our results over the paper's as MyST Markdown."""
-    results = [one for one in scores.values() if one.number.value]
-    drawn = [one for one in results if one.verdict in SHOWN]
+    drawn = [
+        one for one in scores.values() if one.number.value and one.verdict in SHOWN
+    ]
     kinds = {name: counts(drawn)[name] for name in SHOWN}
     return pages.page("ratios", drawn=drawn, kinds=kinds, span=SPAN, across=_across)
 
