@@ -121,6 +121,7 @@ def texts(scores: Scores, records: list[Record]) -> Texts:
     drawn = {record.name: record.content for record in records}
     for claim in every:
         figure = drawn[claim.about["figure"]]
-        text = pages.page("claim", claim=claim, drawn=figure, fill=fill)
-        made[f"claims/{claim.name}"] = text
+        made[f"claims/{claim.name}"] = pages.page(
+            "claim", claim=claim, drawn=figure, fill=fill
+        )
     return made

@@ -38,8 +38,7 @@ def main(results: Path, figures: Path) -> None:
 
 def source_of(figure: Path) -> str | None:
     """Source that stands among a figure's numbers, if one does."""
-    held = read_json(figure.with_suffix(".json"))
-    return held.get("numbers", {}).get("source")
+    return read_json(figure.with_suffix(".json")).get("numbers", {}).get("source")
 
 
 if __name__ == "__main__":

@@ -45,9 +45,11 @@ def light_network() -> bytes:
 def scenes() -> dict[str, Frame]:
     """Frames by what the page calls them: rooms, the staircase, and scanned objects."""
     tested = held_out_frames()
-    rooms = {name: tested[number] for name, number in ROOMS.items()}
-    objects = {name: object_frame(name) for name in OBJECTS}
-    return {**rooms, "staircase": load_frame("stairs"), **objects}
+    return {
+        **{name: tested[number] for name, number in ROOMS.items()},
+        "staircase": load_frame("stairs"),
+        **{name: object_frame(name) for name in OBJECTS},
+    }
 
 
 def object_frame(name: str) -> Frame:

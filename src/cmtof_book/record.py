@@ -42,8 +42,10 @@ def shown(kind: str, **about: Any) -> Values:
 
 def write(name: str, numbers: Named, **about: Any) -> None:
     """Write a record, with what else there is to say about it, whole or not at all."""
-    content = {**about, "numbers": numbers, "provenance": provenance.RUN}
-    provenance.write_json(provenance.output_folder() / f"{name}.json", content)
+    provenance.write_json(
+        provenance.output_folder() / f"{name}.json",
+        {**about, "numbers": numbers, "provenance": provenance.RUN},
+    )
 
 
 def add(name: str, numbers: Named) -> None:

@@ -101,10 +101,13 @@ def scan_object(
     **rigged: Any,
 ) -> Measurement:
     """Scan of an object by name, as `scan_target` has it."""
-    target = scene_from({"kind": "object", "name": name})
-    view = FIELD_OF_VIEW[name]
     return scan_target(
-        target, noise, size=size, seed=seed, field_of_view=view, **rigged
+        scene_from({"kind": "object", "name": name}),
+        noise,
+        size=size,
+        seed=seed,
+        field_of_view=FIELD_OF_VIEW[name],
+        **rigged,
     )
 
 
@@ -277,8 +280,10 @@ def counts_of(scans: Iterable[Measurement], **options: Any) -> list[Values]:
 
 def wraps_off(scans: Iterable[Measurement], row: str, options: Values) -> list:
     """Of each scan: scored pixels, and how many are off by fewer wraps than 1, 2, 3 and 10."""
-    counted = counts_of(scans, **({"method": row} | options))
-    return [[one["pixels"], *one["below"]] for one in counted]
+    return [
+        [one["pixels"], *one["below"]]
+        for one in counts_of(scans, **({"method": row} | options))
+    ]
 
 
 def given_to(method: str, name: str, noise: Noise, seed: int) -> Measurement:

@@ -39,9 +39,13 @@ def scores_in(records: Iterable[Record]) -> Scores:
     found: Scores = {}
     for record in records:
         for key, held in record.numbers.items() if record.name == PAPER else ():
-            about = {"crops": held["crops"], "chapter": record.chapter}
-            profile = record.content["provenance"]["profile"]
-            score = Score(numbers[key], held["cases"], profile, **about)
+            score = Score(
+                numbers[key],
+                held["cases"],
+                profile=record.content["provenance"]["profile"],
+                crops=held["crops"],
+                chapter=record.chapter,
+            )
             found.setdefault(key, score)
     return {key: found.get(key) or Score(number) for key, number in numbers.items()}
 
@@ -105,8 +109,9 @@ def note(score: Score) -> str:
 
 def picture(scores: Scores) -> str:
     """Return the picture of our results over the paper's as MyST Markdown."""
-    results = [one for one in scores.values() if one.number.value]
-    drawn = [one for one in results if one.verdict in SHOWN]
+    drawn = [
+        one for one in scores.values() if one.number.value and one.verdict in SHOWN
+    ]
     kinds = {name: counts(drawn)[name] for name in SHOWN}
     return pages.page("ratios", drawn=drawn, kinds=kinds, span=SPAN, across=_across)
 

@@ -130,8 +130,8 @@ def main(build: Path, stage: Path, *notebooks: Path) -> None:
         stage_notebook(executed, stage / "notebooks" / executed.name)
     records = list(read_all(build / "results"))
     scores = scoreboard.scores_in(records)
-    board = scoreboard.page(scores, records, notebooks)
-    texts = {"scoreboard": board} | claims.texts(scores, records)
+    texts = claims.texts(scores, records)
+    texts["scoreboard"] = scoreboard.page(scores, records, notebooks)
     for name, text in texts.items():
         (stage / "book" / f"{name}.md").write_text(text, "utf-8")
     laboratory.write(stage / "book" / "_static" / "laboratory")

@@ -39,8 +39,7 @@ def quadratures(
     light = panel.photodiode_lit * _brightness(instrument, panel, labels)
     light = light * ranger.power(instrument.settings.reference, place)
     mixed, picked_up = ranger.offsets
-    turning = ranger.envelope(light) * np.exp(1j * ranger.phase(place))
-    turning = turning + picked_up * drive.on
+    turning = ranger.phasor(light, place) + picked_up * drive.on
     turning = turning * np.exp(1j * instrument.made_phase(0, np.array(drive.phase)))
     normals = normals_by_key(instrument.seed, QUADRATURES, labels, 2 * scans)
     noise = ranger.noise(light)[:, None] * normals.view(complex)
@@ -63,11 +62,9 @@ def fringes(
     seen = ruler.fringes(instrument.settings.reference, place)
     shaken = normals_by_key(instrument.seed, SHAKING, labels, 1)[:, 0]
     way = place + travels + ruler.shaking * shaken
-    phase = 2 * TAU / ruler.wavelength * way
-    light = (seen.offset + seen.amplitude * np.cos(phase)) / volts_per_watt(
-        instrument.settings
-    )
-    light = light * _brightness(instrument, panel, labels)
+    volts = seen.offset + seen.amplitude * np.cos(2 * TAU / ruler.wavelength * way)
+    light = volts * _brightness(instrument, panel, labels)
+    light /= volts_per_watt(instrument.settings)
     return instrument.counts(np.repeat(light[:, None], scans, axis=1), labels, rate)
 
 

@@ -256,5 +256,5 @@ def simulated_devices(instrument: SimulatedInstrument, rig: Rig) -> Fields:
 
 def _coded(phases: ArrayLike) -> Array:
     """Phases as the drivers' codes hold them, rad in [0, 2 pi)."""
-    codes = np.rint(np.asarray(phases) * CODES / TAU) % CODES
+    codes = np.rint(np.multiply(phases, CODES) / TAU) % CODES
     return codes * (TAU / CODES)

@@ -55,12 +55,12 @@ class Chain:
 
     def memory(self, count: int) -> Array:
         """Autocovariance (count,) of the output, V^2, at successive samples for unit density."""
-        row = np.eye(POLES)[-1]
-        found = []
         # cov(x_{t+l}, x_t) = e^T T^l P e
+        covariance = self.settled @ self.settled[-1]
+        found = []
         for _ in range(count):
-            found.append(row @ self.settled @ self.settled[-1])
-            row = row @ self.transition
+            found.append(covariance[-1])
+            covariance = self.transition @ covariance
         return np.array(found)
 
     def run(self, light: Array, spread: Array, normals: Array) -> Array:
@@ -72,8 +72,7 @@ class Chain:
         # a product a row: one burst or many give the same bits
         first = normals[:, :1] @ self.settled.T
         later = normals[:, 1:] @ self.root.T
-        state = np.repeat(light[:, :1], POLES, axis=1)
-        state = state + spread[:, :1] * first[:, 0]
+        state = light[:, :1] + spread[:, :1] * first[:, 0]
         push = light[..., None] * self.entry
         push = push + spread[..., None] * later
         outputs: list[Array] = []

@@ -77,9 +77,8 @@ def drift(seed: int, channel: int, time: ArrayLike) -> Array:
     rng = keyed_generator(seed, DRIFT, channel)
     # off the exact octaves, or the sum would be periodic
     rate = TAU * DRIFT_OCTAVES * rng.uniform(0.9, 1.1, DRIFT_OCTAVES.size)
-    angle = np.multiply.outer(time, rate)
-    angle = angle + rng.uniform(0, TAU, rate.size)
-    return np.sin(angle).sum(-1) / rate.size
+    angle = np.multiply.outer(time, rate) + rng.uniform(0, TAU, rate.size)
+    return np.sin(angle).mean(-1)
 
 
 @dataclass
@@ -154,11 +153,9 @@ class SimulatedInstrument:
         ``stage`` (N,), m, is the target's, ``labels`` (N,) number the bursts, and ``pulses`` (T,)
         are the trigger's last edge at each sample, at ``rate``, Hz; galvo and time do not count.
         """
-        points = np.asarray(angles, float).reshape(-1, 2)
+        points = np.reshape(angles, (-1, 2))
         numbers = np.asarray(labels)
-        places = np.broadcast_to(
-            panel.stage if stage is None else np.asarray(stage), len(points)
-        )
+        places = np.broadcast_to(panel.stage if stage is None else stage, len(points))
         # the drives are constant in stretches between edges
         first = np.flatnonzero(np.diff(pulses, prepend=pulses[0] - 1))
         length = np.diff(first, append=len(pulses))
@@ -169,7 +166,7 @@ class SimulatedInstrument:
             self._paths(panel, points, places),
             times,
             self._waveforms(panel, pulses[first]),
-            self.jitter(numbers, first.size),
+            numbers,
         )
         return self.counts(np.repeat(light, length, axis=1), numbers, rate)
 
@@ -195,63 +192,49 @@ class SimulatedInstrument:
         """Distance of the reference target, m, with its stage at a position, m."""
         return self.settings.reference.distance + stage - self.settings.stage_zero
 
-    def jitter(self, labels: NDArray, steps: int) -> Array:
-        """Disturbance (N, S) of the phase at steps of bursts (N,), in units of its rms."""
-        if not any(self.settings.phase_noise):
-            return np.zeros((len(labels), steps))
-        keys, place = np.unique(np.append(labels, labels - 1), return_inverse=True)
-        made = normals_by_key(self.seed, JITTER, keys, steps)
-        own, before = made[place].reshape(2, -1, steps)
-        mix = np.arcsin(2 * self.settings.grain) / 2  # cos sin of it is the correlation
-        return np.cos(mix) * own + np.sin(mix) * before
-
     def _light(
         self,
         panel: Panel,
         paths: Array,
         times: Array,
-        modules: list[Complex],
-        jitter: Array,
+        modules: Complex,
+        labels: NDArray,
     ) -> Array:
-        """Light on the detector (N, S), W, at times (N, S), s, with both modules (S, K + 1)."""
-        emission, detection = modules
-        products = 2 * emission * np.conj(detection)
-        if not panel.clock_on or panel.emission.frequency != panel.detection.frequency:
-            products[:, 1:] = 0.0
+        """Light on the detector (N, S), W, at times (N, S), s, with both modules (2, S, K + 1)."""
+        products = modules[0] * np.conj(modules[1])
+        equal = panel.emission.frequency == panel.detection.frequency
+        products[:, 1:] *= 2 * (panel.clock_on and equal)
         size = np.abs(products).max(axis=0)
-        strong = np.flatnonzero(size[1:] > 1e-13 * size[0]) + 1
-        lag = self._lag(int(size[1] < size[2]), times, jitter)
-        share = self._share(panel.emission.frequency, paths, products, strong, lag)
+        lag = self._lag(int(size[1] < size[2]), times, labels)
+        # harmonics that count, the mean among them
+        orders = np.flatnonzero(size > 1e-13 * size[0])
+        turned = products[:, orders] * np.exp(1j * np.multiply.outer(lag, orders))
+        share = self._shares(panel.emission.frequency, paths, orders)
+        share = (turned * share[:, None]).sum(-1).real
         share = np.maximum(share, 0.0) * (not panel.photodiode_lit)
         loss = outward(self.settings) * inward(self.settings)
-        room = ambient(self.settings) * detection[:, 0].real
+        room = ambient(self.settings) * modules[1, :, 0].real
         return self.from_fibre(panel, times) * loss * share + room
 
-    def _lag(self, mode: int, times: Array, jitter: Array) -> Array:
-        """Lag (N, S), rad, of the drives: slow, and from step to step."""
+    def _lag(self, mode: int, times: Array, labels: NDArray) -> Array:
+        """Lag (N, S), rad, of the drives: slow, and from step to step of bursts (N,)."""
         slow = self.settings.phase_drift / DRIFT_RMS * drift(self.seed, 1, times)
         spread = STEP_NOISE * self.settings.phase_noise[mode] / (1 + mode)
-        return slow + spread * jitter
+        if not spread:
+            return slow
+        keys, place = np.unique(np.append(labels, labels - 1), return_inverse=True)
+        made = normals_by_key(self.seed, JITTER, keys, times.shape[1])
+        own, before = made[place].reshape(2, *times.shape)
+        mix = np.arcsin(2 * self.settings.grain) / 2  # cos sin of it is the correlation
+        return slow + spread * (np.cos(mix) * own + np.sin(mix) * before)
 
-    def _share(
-        self,
-        frequency: float,
-        paths: Array,
-        products: Complex,
-        orders: Numbers,
-        lag: Array,
-    ) -> Array:
-        """Share (N, S) of the light that passes both modules on all paths, by harmonics."""
+    def _shares(self, frequency: float, paths: Array, orders: Numbers) -> Complex:
+        """Light (N, O) that returns on all paths, as phasors of the harmonics (O,)."""
         reach, fraction = paths
         way = self.group_index * reach + self.settings.internal_path
         phase = 2 * TAU * frequency / SPEED_OF_LIGHT * way
-        share = products[:, 0].real / 2 * fraction.sum(1, keepdims=True)
-        for order in orders.tolist():
-            phasors = fraction * np.exp(-1j * order * phase)
-            phasor = products[:, order] * phasors.sum(1, keepdims=True)
-            turned = phasor * np.exp(1j * order * lag)
-            share = share + turned.real
-        return share
+        phasors = np.exp(-1j * np.multiply.outer(phase, orders))
+        return np.vecdot(fraction[:, None], phasors.swapaxes(1, 2))
 
     def counts(self, light: Array, labels: NDArray, rate: float) -> Counts:
         """Counts (N, T) of light (N, T), W, held for a sample each: noise, filters, converter."""
@@ -263,21 +246,19 @@ class SimulatedInstrument:
         # a row: the filters' initial state, then for each sample the filters' noise and the ADC's
         size = POLES + (POLES + 1) * samples
         drawn = settings.noise * normals_by_key(self.seed, LABEL, labels, size)
-        initial, by_sample = np.split(drawn, [POLES], axis=1)
-        by_sample = by_sample.reshape(-1, samples, POLES + 1)
-        normals = np.concatenate([initial[:, None], by_sample[..., :POLES]], axis=1)
-        output = filters.run(volts, spread, normals)
+        normals = np.insert(drawn, POLES, 0.0, axis=1)
+        normals = normals.reshape(-1, samples + 1, POLES + 1)
+        output = filters.run(volts, spread, normals[..., :POLES])
         output = np.clip(output, -settings.saturation, settings.saturation)
-        return counts_from_volts(
-            output, settings.converter_noise * by_sample[..., POLES]
-        )
+        noise = settings.converter_noise * normals[:, 1:, POLES]
+        return counts_from_volts(output, noise)
 
     def emission(self, panel: Panel) -> Complex:
         """Fourier coefficients (K + 1,) of the emission module's waveform as it stands."""
         return self._waveforms(panel, np.array([-1]))[0][0]
 
-    def _drives(self, panel: Panel, edges: Numbers) -> list[Complex]:
-        """Complex amplitudes (S,), rad, of both drives behind edges (S,); -1 is before them."""
+    def _drives(self, panel: Panel, edges: Numbers) -> Complex:
+        """Complex amplitudes (2, S), rad, of both drives behind edges (S,); -1 is before them."""
         settings = self.settings
         made = []
         for number, one in enumerate((panel.emission, panel.detection)):
@@ -286,28 +267,25 @@ class SimulatedInstrument:
             phase = phase + number * settings.phase_offset
             size = amplitude(settings, one.power, one.frequency) if one.on else 0.0
             made.append(size * np.exp(-1j * phase))
-        first, second = made
         leak = settings.leakage * np.exp(-1j * settings.leakage_phase)
-        return [first + leak * second, second + leak * first]
+        return np.array(made) + leak * np.array(made[::-1])
 
-    def _waveforms(self, panel: Panel, edges: Numbers) -> list[Complex]:
-        """Fourier coefficients (S, K + 1) of both modules behind edges (S,)."""
+    def _waveforms(self, panel: Panel, edges: Numbers) -> Complex:
+        """Fourier coefficients (2, S, K + 1) of both modules behind edges (S,)."""
         knobs = panel.emission, panel.detection
         plates = panel.plate_emission, panel.plate_detection
         drives = self._drives(panel, edges)
+        turns = np.exp(1j * np.angle(drives))[..., None] ** np.arange(HARMONICS + 1)
         found = []
-        for one, angle, phasor in zip(knobs, plates, drives, strict=True):
+        for one, angle, size in zip(knobs, plates, np.abs(drives), strict=True):
             module = replace(
                 self.modulator, half_wave_angle=angle, frequency=one.frequency
             )
             waves = [
-                _harmonics(replace(module, eta=x), HARMONICS)
-                for x in np.abs(phasor).tolist()
+                _harmonics(replace(module, eta=eta), HARMONICS) for eta in size.tolist()
             ]
-            turn = np.exp(1j * np.angle(phasor))
-            turns = turn[:, None] ** np.arange(HARMONICS + 1)
-            found.append(np.stack(waves) * turns)
-        return found
+            found.append(waves)
+        return turns * found
 
     def made_phase(self, module: int, phase: Array) -> Array:
         """Phase, rad, that driver 0 or 1 really makes of one that was set."""

@@ -9,7 +9,7 @@ with the coherence gamma, the share m of the light in the reference beam's mode,
 noise v of a step. The stage creeps, and each reading is unwrapped against the one before.
 """
 
-from dataclasses import dataclass, field
+from dataclasses import dataclass
 from typing import NamedTuple
 
 import numpy as np
@@ -25,8 +25,7 @@ from cmtof.hardware.rig import SAMPLE_RATE
 from cmtof.types import Array, Numbers
 from cmtof_lab.electronics import SLOPE, Chain, density, root_of, volts_per_watt
 from cmtof_lab.optics import aperture_area, spot_radius
-from cmtof_lab.settings import TwinSettings
-from cmtof_lab.sweep import STAGE_ERROR, Ranger, circular_normals, collected_power
+from cmtof_lab.sweep import Ranger, circular_normals, collected_power
 from cmtof_lab.targets import Plane
 
 AIR_PER_KELVIN = -0.93e-6  # 1/K, change of the air's index at 20 C (known)
@@ -44,7 +43,6 @@ class Fringes(NamedTuple):
 class Interferometer(Ranger):
     """Interferometer of Table 4: both drives off, beam block out, APD440A behind grey filters."""
 
-    settings: TwinSettings = field(default_factory=TwinSettings)
     # Hz, full width at half maximum, several modes (gem 532, known)
     linewidth: float = 30e9
     # Relative, rms over days (assumed: it may run at 532.1 nm)
@@ -59,7 +57,7 @@ class Interferometer(Ranger):
     steps: int = 8  # K, over half a wavelength (assumed)
     samples: int = 5  # at 24 kS/s in a step (assumed)
     speed: float = 3e-5  # m/s of the stage between positions (assumed: 50 nm a reading)
-    stage_error: float = STAGE_ERROR
+
     # m of travel (assumed: the plate turns by 20 urad per mm)
     speckle_length: float = 0.016
     # m rms, along the beam: a resonance of the breadboard (assumed)
@@ -86,6 +84,12 @@ class Interferometer(Ranger):
         """Travel of the stage from one reading to the next, m."""
         return self.speed * self.reading_time
 
+    @property
+    def decay(self) -> complex:
+        """Exponent of a resonance under white forcing, from one reading to the next."""
+        rate = TAU * self.resonance * self.reading_time
+        return rate * (1j - 1 / (2 * self.quality))
+
     def matched_share(self, target: Plane) -> float:
         """Share m of the collected light in the reference beam's mode, Gaussian of radius w_r.
 
@@ -110,9 +114,9 @@ class Interferometer(Ranger):
     def fringes(self, target: Plane, ranges: ArrayLike) -> Fringes:
         """Interferogram at ranges (...), m."""
         settings = self.settings
-        z = np.asarray(ranges, float)
-        scene = np.minimum(collected_power(settings, target, z), self.arm_power)
-        delay = 2 * (z - target.distance - self.imbalance) / SPEED_OF_LIGHT
+        scene = np.minimum(collected_power(settings, target, ranges), self.arm_power)
+        longer = np.subtract(ranges, target.distance + self.imbalance)
+        delay = 2 * longer / SPEED_OF_LIGHT
         fallen = (np.pi * self.linewidth * delay) ** 2
         coherence = np.exp(-fallen / (4 * np.log(2)))
         mixed = np.sqrt(self.arm_power * self.matched_share(target) * scene)
@@ -129,7 +133,10 @@ class Interferometer(Ranger):
 
     def day(self, target: Plane, positions: Array, rng: Generator) -> Array:
         """Ranges (P,), m, counted from the known first of stage positions (P,), m."""
-        stations = self._stations(positions)
+        strides = np.abs(np.diff(positions)) / self.stride - 1e-9
+        counts = np.maximum(1, np.ceil(strides))
+        # readings at the stops, of all that the stage passes on its way
+        stations = np.append(0, counts.cumsum()).astype(int)
         seen = self.fringes(target, target.distance + _along(stations, positions))
         speckle = _along(stations, self._speckle(target, positions, rng))
         shown = seen._replace(amplitude=seen.amplitude * speckle)
@@ -138,12 +145,6 @@ class Interferometer(Ranger):
         counted = self._counted(way, shown, rng)
         moved = np.append(0.0, counted[stations[1:]] * believed / (2 * TAU))
         return target.distance + positions[0] + moved
-
-    def _stations(self, stops: Array) -> Numbers:
-        """Readings at the stops, of all that the stage passes on its way."""
-        strides = np.abs(np.diff(stops)) / self.stride - 1e-9
-        counts = np.maximum(1, np.ceil(strides))
-        return np.append(0, counts.cumsum()).astype(int)
 
     def _speckle(self, target: Plane, stops: Array, rng: Generator) -> NDArray:
         """Factor of the field at the stops: a mirror has none."""
@@ -160,13 +161,12 @@ class Interferometer(Ranger):
         """True travel, m, at each reading: stage, shaking, and the drift of temperature."""
         reached = stops + self.stage_error * rng.standard_normal(stops.size)
         way = _along(stations, reached - reached[0])
-        way += self.vibration(rng, way.size)
-        warmth = (
-            target.distance * (self.expansion + AIR_PER_KELVIN) * self.temperature_drift
-        )
+        shaken = _carried(circular_normals(rng, way.size), self.decay).real
         forgotten = -self.reading_time / self.drift_time
         slow = _carried(rng.standard_normal(way.size), forgotten)
-        return way + warmth * (slow - slow[0])
+        warmth = (self.expansion + AIR_PER_KELVIN) * self.temperature_drift
+        drifted = target.distance * warmth * (slow - slow[0])
+        return way + self.shaking * shaken + drifted
 
     def _counted(self, way: Array, shown: Fringes, rng: Generator) -> Array:
         """Phase, rad, counted from reading to reading, from the plate's own, which is known."""
@@ -185,18 +185,10 @@ class Interferometer(Ranger):
         noise = linear_phase_noise(seen.amplitude, seen.variance, self.steps)
         return self.wavelength / (2 * TAU) * noise
 
-    def vibration(self, rng: Generator, count: int) -> Array:
-        """Displacement (count,), m, at successive readings: a resonance under white forcing."""
-        rate = TAU * self.resonance * self.reading_time
-        decay = rate * (1j - 1 / (2 * self.quality))
-        return self.shaking * _carried(circular_normals(rng, count), decay).real
-
     def lost_fringes(self) -> float:
         """Mean number of fringes that one reading loses along the move (law in chapter 17)."""
-        angle = TAU * self.resonance * self.reading_time
-        decay = angle / (2 * self.quality)
-        kept = np.exp(-decay) * np.cos(angle)
-        spread = max(self.shaking * np.sqrt(2 - 2 * kept), 1e-15)
+        spread = self.shaking * np.sqrt(2 - 2 * np.exp(self.decay).real)
+        spread = max(spread, 1e-15)
         highest = 4 * (self.stride + 9 * spread) / self.wavelength
         edge = self.wavelength / 4 * np.arange(1, highest + 2, 2)
         forward = ndtr((self.stride - edge) / spread)

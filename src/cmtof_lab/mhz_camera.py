@@ -28,7 +28,7 @@ from cmtof.correlation import (
 )
 from cmtof.detector import quantise, skellam_gaussian
 from cmtof.types import Array, Arrays, Complex, Shape
-from cmtof_lab.optics import SPECULAR_DIFFUSE, SPECULAR_LOBE
+from cmtof_lab.optics import SPECULAR_DIFFUSE, SPECULAR_LOBE, lobe_share
 from cmtof_lab.targets import RayEnds
 
 Light = tuple[Complex, Array]
@@ -93,16 +93,13 @@ class MhzCamera:
         A polished surface keeps a small diffuse share, and mirrors where it faces lens and source.
         """
         z = view.range
-        weight = np.asarray(view.mirrored)
         sent = self._electrons(self.power) / np.prod(self.shape)
         with np.errstate(invalid="ignore", divide="ignore"):
             lobe = np.hypot(SPECULAR_LOBE, self.source_radius / z)
-            turned = 2 * np.arccos(np.minimum(view.cosine, 1))
             # a Gaussian lobe of half angle w peaks at 2 / (pi w^2) per sr, white paper at 1 / pi
-            away = turned / lobe
-            mirror = 2 / lobe**2 * np.exp(-2 * away**2)
+            mirror = 2 / lobe**2 * lobe_share(view.cosine, lobe)
             polished = SPECULAR_DIFFUSE * view.cosine + mirror
-            shine = (1 - weight) * view.cosine + weight * polished
+            shine = (1 - view.mirrored) * view.cosine + view.mirrored * polished
             seen = self.pupil_area / (np.pi * z**2)
         share = view.reflectance * shine * seen
         return sent * np.where(z > 0, share, 0.0)
@@ -171,10 +168,10 @@ class MhzCamera:
         lost |= ~(np.abs(differences).max(0) < end)
         return np.where(lost, np.nan, depth), found.amplitude
 
-    def variance(self, charge: ArrayLike) -> Array:
+    def variance(self, charge: Array | float) -> Array | float:
         """Variance of A - B, electrons^2: Skellam, read noise, rounding."""
         step = 2 * self.full_scale / (2**self.bits - 1)
-        return np.asarray(charge) + self.read_noise**2 + step**2 / 12
+        return charge + self.read_noise**2 + step**2 / 12
 
     def bound(self, view: RayEnds) -> Array:
         """Standard deviation of a pixel's range, m, (H, W)."""

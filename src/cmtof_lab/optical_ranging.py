@@ -9,14 +9,13 @@ the fundamental of K means of N samples behind the filters,
           \sigma_\phi^2 = \frac{d\,B + 2\sigma_{adc}^2/KN}{(S L w_1)^2} .
 """
 
-from dataclasses import dataclass, field, replace
+from dataclasses import dataclass, replace
 
 import numpy as np
 from numpy.random import Generator
 from numpy.typing import ArrayLike
 from scipy.signal import correlate
 
-from cmtof import constants
 from cmtof.correlation import TAU, decode, depth_from_phase
 from cmtof.hardware.plan import BURST_INTERVAL
 from cmtof.hardware.ranging import range_errors
@@ -27,50 +26,25 @@ from cmtof_lab.electronics import SLOPE, Chain, density, volts_per_watt
 from cmtof_lab.instrument import Panel, RfKnobs, SimulatedInstrument
 from cmtof_lab.optics import ambient, emission_mean
 from cmtof_lab.settings import TwinSettings
-from cmtof_lab.sweep import (
-    STAGE_ERROR,
-    WRAP,
-    Ranger,
-    collected_power,
-    reading_times,
-    visited,
-)
+from cmtof_lab.sweep import FREQUENCY as FREQUENCY
+from cmtof_lab.sweep import WRAP, PhaseRanger, collected_power, visited
 from cmtof_lab.targets import Plane
-
-# Modulation frequency of each mode, Hz.
-FREQUENCY = {
-    "single": constants.FREQUENCY_SINGLE,
-    "doubled": constants.FREQUENCY_DOUBLED,
-}
 
 
 @dataclass(frozen=True)
-class OpticalRanger(Ranger):
+class OpticalRanger(PhaseRanger):
     """All-optical correlation at 7.15 ("single") or 14.32 GHz ("doubled") (Sec. 7, 8.2).
 
-    ``visits`` readings at known ranges over one wrap set the zero, as in a scan; a single one
-    stands at stage position 0.
+    Its zero is set as in a scan; a single visit stands at stage position 0.
     """
 
-    settings: TwinSettings = field(default_factory=TwinSettings)
-    mode: str = "single"
     phases: int = 16  # K (Sec. 7.2)
     samples: int = 20  # of each phase (Sec. 7.2)
     # Of them are dropped while the filters settle, as in the default rig
     settle: int = 4
-    visits: int = 8  # (assumed)
-    age: float = 600.0  # s from the first visit to the sweep (assumed)
-    # s from one reading to the next (assumed: 2.4 mm/s and a turn of 1 mm)
-    step_time: float = 1.0
     air_change: Pair = (0.5, 100.0)  # K, Pa since the zero, rms (assumed)
-    stage_error: float = STAGE_ERROR
     # Share of the detector's range that the crest may reach (assumed)
     level: float = 0.5
-
-    @property
-    def frequency(self) -> float:
-        """Modulation frequency, Hz."""
-        return FREQUENCY[self.mode]
 
     def panel(self) -> Panel:
         """Knobs of the instrument while it ranges: mode set, table armed, target in the beam."""
@@ -108,7 +82,7 @@ class OpticalRanger(Ranger):
 
     def phase(self, counts: ArrayLike) -> Array:
         """Wrapped phases (P,), rad, of raw counts (P, K x N)."""
-        bursts = np.asarray(counts, float).reshape(-1, self.phases, self.samples)
+        bursts = np.reshape(counts, (-1, self.phases, self.samples))
         means = bursts[..., self.settle :].mean(-1).T
         return decode(means, nominal_psi(self.phases)).phase
 
@@ -122,9 +96,8 @@ class OpticalRanger(Ranger):
         )
         thicker = self._air_change(settings, rng)
         place = stated + self.stage_error * rng.standard_normal(stated.size)
-        labels = 1 + np.rint(
-            reading_times(self, positions.size) / BURST_INTERVAL
-        ).astype(int)
+        times = self.times(positions.size)
+        labels = 1 + np.rint(times / BURST_INTERVAL).astype(int)
         phases = self.phase(self.counts(instrument, place, labels))
         ranges = index * (target.distance + stated)
         off = range_errors(phases, ranges, self.frequency, visits=self.visits)[
@@ -151,7 +124,12 @@ class OpticalRanger(Ranger):
         The filter keeps the maximum within the detector's range; no speckle.
         """
         settings = self.settings
-        mean, amplitude = self._light(collected)
+        # the detection's is alike
+        wave = SimulatedInstrument(settings).emission(self.panel())
+        opened = np.divide(collected, emission_mean(settings, self.mode))
+        passed = wave[0].real
+        mean = opened * passed**2 + ambient(settings) * passed
+        amplitude = opened * 2 * abs(wave[MODES[self.mode]]) ** 2
         crest = volts_per_watt(settings) * (mean + amplitude)
         dimming = np.minimum(1.0, self.level * settings.saturation / crest)
         per_watt = volts_per_watt(settings) * dimming
@@ -160,17 +138,6 @@ class OpticalRanger(Ranger):
         variance = density(settings, per_watt * mean) * self._bandwidth()
         variance = variance + 2 / kept * counts * SLOPE**2
         return dimming, np.sqrt(variance) / (per_watt * amplitude)
-
-    def _light(self, collected: ArrayLike) -> Arrays:
-        """Mean and amplitude, W, of the correlation of collected light, W."""
-        settings = self.settings
-        # the detection's is alike
-        wave = SimulatedInstrument(settings).emission(self.panel())
-        opened = np.divide(collected, emission_mean(settings, self.mode))
-        passed = wave[0].real
-        mean = opened * passed**2 + ambient(settings) * passed
-        size = abs(wave[MODES[self.mode]])
-        return mean, opened * 2 * size**2
 
     def _bandwidth(self) -> float:
         """Variance, V^2, of one quadrature of the fundamental per one-sided density, V^2/Hz."""

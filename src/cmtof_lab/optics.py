@@ -57,10 +57,15 @@ def aperture_area(settings: TwinSettings) -> float:
 def speckle_cells(settings: TwinSettings, distance: ArrayLike) -> Array:
     """Speckle cells in the aperture, ``1 + A pi w^2 / (lambda z)^2``; their contrast is 1/sqrt."""
     # (lambda z)^2 / (pi w^2): coherence area of a Gaussian spot (Goodman, Speckle, 2007, ch. 4)
-    z = np.asarray(distance, float)
     area = aperture_area(settings)
-    product = area * np.pi * spot_radius(settings, z) ** 2
-    return 1 + product / (settings.wavelength * z) ** 2
+    product = area * np.pi * spot_radius(settings, distance) ** 2
+    return 1 + product / np.multiply(settings.wavelength, distance) ** 2
+
+
+def lobe_share(cosine: Array, half_angle: ArrayLike) -> Array:
+    """Brightness of a Gaussian lobe about the mirrored ray, 1 there: it turns by twice the tilt."""
+    turned = 2 * np.arccos(np.minimum(cosine, 1))
+    return np.exp(-2 * (turned / half_angle) ** 2)
 
 
 def returned_fractions(settings: TwinSettings, hits: RayEnds) -> list[Array]:
@@ -72,12 +77,9 @@ def returned_fractions(settings: TwinSettings, hits: RayEnds) -> list[Array]:
         # rho cos A / (pi z^2), half of it in the splitter's polarisation; half at the very most
         steradian = (radius / z) ** 2
         rough = np.minimum(0.5 * hits.cosine * steradian, 0.5)
-        # a Gaussian lobe, cut by the aperture and turned by twice the tilt, keeps its polarisation
+        # a Gaussian lobe, cut by the aperture, keeps its polarisation
         cut = radius / (z * lobe)
-        caught = 1 - np.exp(-2 * cut**2)
-        turned = 2 * np.arccos(np.minimum(hits.cosine, 1))
-        aside = turned / lobe
-        mirrored = caught * np.exp(-2 * aside**2)
+        mirrored = (1 - np.exp(-2 * cut**2)) * lobe_share(hits.cosine, lobe)
         parts = [
             (1 - hits.mirrored) * rough,
             hits.mirrored * (mirrored + SPECULAR_DIFFUSE * rough),

@@ -10,19 +10,18 @@ in the load R_L; averaged over T each of its quadratures has the noise sigma,
 with H = 1/(1 + i f/f_c) and the noise e_n of the amplifier behind the mixer, a gain g later.
 """
 
-from dataclasses import dataclass, field
+from dataclasses import dataclass
 
 import numpy as np
 from numpy.random import Generator
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 from scipy.constants import Boltzmann, elementary_charge
 
 from cmtof.correlation import centred, phase_from_depth, wrapped
 from cmtof.hardware.ranging import straightened
 from cmtof.hardware.rig import MODES, SAMPLE_RATE
-from cmtof.types import Array, Complex, Numbers
+from cmtof.types import Array, Complex
 from cmtof_lab.instrument import DRIFT_RMS, drift
-from cmtof_lab.optical_ranging import FREQUENCY
 from cmtof_lab.optics import (
     emission_harmonics,
     inward,
@@ -31,36 +30,23 @@ from cmtof_lab.optics import (
     spot_radius,
     trace,
 )
-from cmtof_lab.settings import TwinSettings
-from cmtof_lab.sweep import (
-    STAGE_ERROR,
-    Ranger,
-    circular_normals,
-    collected_power,
-    reading_times,
-    visited,
-)
+from cmtof_lab.sweep import PhaseRanger, circular_normals, collected_power, visited
 from cmtof_lab.targets import Plane, Target
 
 
 @dataclass(frozen=True, kw_only=True)
-class RfRanger(Ranger):
+class RfRanger(PhaseRanger):
     """RF demodulation with laser, emission and optics of the all-optical instrument.
 
     The paper names the photodiode only, the rest are catalogue parts (*known*, *assumed*: as in
     `cmtof_lab.settings`). The offset is read with the beam blocked, and the imbalance from a
-    sweep of the phase, ``age`` before; the zero has ``visits``. Each averages ``points``.
+    sweep of the phase, ``age`` before. These and each visit for the zero average ``points``.
     """
 
-    settings: TwinSettings = field(default_factory=TwinSettings)
-    mode: str = "single"
     # Offset and imbalance are taken away; the zero is set in any case
     calibrated: bool = True
     points: int = 100
-    visits: int = 8
-    age: float = 600.0  # s from the calibration to the first position (assumed)
-    step_time: float = 1.0  # s from one position to the next (assumed)
-    stage_error: float = STAGE_ERROR
+
     # s for a point, that of the all-optical instrument (Sec. 7.2)
     time: float = 320 / SAMPLE_RATE
     # A/W, photodiode ET-4000 at 532 nm (assumed: efficiency 0.47)
@@ -128,9 +114,7 @@ class RfRanger(Ranger):
         """Size of the envelope, V, of light (...), W."""
         wave = emission_harmonics(self.settings, self.mode)
         depth = 2 * abs(wave[MODES[self.mode]]) / wave[0].real
-        response = self.responsivity / np.hypot(
-            1, FREQUENCY[self.mode] / self.bandwidth
-        )
+        response = self.responsivity / np.hypot(1, self.frequency / self.bandwidth)
         return np.multiply(self.load * response * depth, power)
 
     def noise(self, power: ArrayLike) -> Array:
@@ -147,10 +131,9 @@ class RfRanger(Ranger):
 
     def seen_share(self, ranges: ArrayLike) -> Array:
         """Share of a diffuse target's light on the small photodiode: a Gaussian image w/z wide."""
-        z = np.asarray(ranges, float)
         half = self.settings.field_of_view / 2 * self.diameter / self.reference_diameter
         with np.errstate(divide="ignore"):
-            edge = half * z / spot_radius(self.settings, z)
+            edge = half * np.divide(ranges, spot_radius(self.settings, ranges))
         return 1 - np.exp(-2 * edge**2)
 
     def power(self, target: Plane, ranges: ArrayLike) -> Array:
@@ -161,7 +144,11 @@ class RfRanger(Ranger):
     def phase(self, ranges: ArrayLike) -> Array:
         """Phase, rad, of ranges in air, m."""
         ways = np.multiply(self.settings.group_index, ranges)
-        return phase_from_depth(ways, FREQUENCY[self.mode])
+        return phase_from_depth(ways, self.frequency)
+
+    def phasor(self, light: Array, ranges: ArrayLike, turn: ArrayLike = 0.0) -> Complex:
+        """Envelope, V, of light, W, from ranges, m, its phase turned by ``turn``, rad."""
+        return self.envelope(light) * np.exp(1j * (self.phase(ranges) + turn))
 
     def day(self, target: Plane, positions: Array, rng: Generator) -> Array:
         """Estimated ranges (P,), m, of one sweep."""
@@ -181,51 +168,39 @@ class RfRanger(Ranger):
     def readings(self, target: Plane, ranges: Array, rng: Generator) -> Complex:
         """One day's envelopes (P,), V, at ranges (P,), m, the first ones those of the zero."""
         # the last reading is that of the blocked beam
-        times = np.append(reading_times(self, ranges.size - self.visits), 0.0)
-        averaged = self._averaged(times.size)
-        slow = self._slow_drifts(times, rng)
-        constant = self._offset(slow, rng)
+        times = np.append(self.times(ranges.size - self.visits), 0.0)
+        # the zero and the blocked beam are averaged over many points
+        averaged = np.ones(times.size)
+        averaged[: self.visits] = self.points
+        averaged[-1] = self.points
+        key = int(rng.integers(2**62))
+        # both parts of the offset, the phase, and the fibre
+        slow = [drift(key, channel, times) / DRIFT_RMS for channel in range(4)]
+        constant = self.offsets @ np.exp(2j * np.pi * rng.random(2))
+        constant = constant * (1 + self.drift * (slow[0] + 1j * slow[1]))
         place = ranges + self.stage_error * rng.standard_normal(ranges.size)
         light = np.append(self._received(target, ranges, rng), 0.0)
-        turn = self._turn(averaged, slow[2], rng)
-        fibre = self._fibre(slow[3])
-        own = self._seen(light * fibre, np.append(place, 0.0), turn)
-        back = self._seen(
-            self.sent * self.settings.back_fraction * (times > 0) * fibre,
+        turn = self.settings.phase_noise[MODES[self.mode] - 1] / np.sqrt(averaged)
+        turn = turn * rng.standard_normal(times.size)
+        turn += self.settings.phase_drift * slow[2]
+        seen = self.phasor(light, np.append(place, 0.0), turn)
+        seen += self.phasor(
+            self.sent * self.settings.back_fraction * (times > 0),
             self.settings.back_range,
             turn,
         )
         noise = self.noise(light) / np.sqrt(averaged)
         noise = noise * circular_normals(rng, times.size)
-        return self._read(constant + (own + back) + noise, rng)
+        return self._read(constant + self._fibre(slow[3]) * seen + noise, rng)
 
     def _read(self, envelopes: Complex, rng: Generator) -> Complex:
         """Readings (P,) of envelopes (P + 1,), V, of which the last is the blocked beam's."""
         known = np.array([10 ** (self.amplitude_imbalance / 20), self.phase_imbalance])
-        drifted = known + self.drift * rng.standard_normal(2)
-        read = skewed(envelopes, *drifted)
+        read = skewed(envelopes[:-1], *(known + self.drift * rng.standard_normal(2)))
         if not self.calibrated:
-            return read[:-1]
+            return read
         # the blocked beam is read, and the imbalance known, before they drift
-        blocked = skewed(envelopes[-1], *known)
-        return straightened(read - blocked, *known)[:-1]
-
-    def _offset(self, slow: list[Array], rng: Generator) -> Complex:
-        """Envelope without light, V, as it drifts."""
-        constant = self.offsets @ np.exp(2j * np.pi * rng.random(2))
-        moved = slow[0] + 1j * slow[1]
-        return constant * (1 + self.drift * moved)
-
-    def _averaged(self, count: int) -> Numbers:
-        """Points that each reading averages: many for the zero and for the blocked beam."""
-        many = np.where(np.arange(count) < self.visits, self.points, 1)
-        many[-1] = self.points
-        return many
-
-    def _slow_drifts(self, times: Array, rng: Generator) -> list[Array]:
-        """Four drifts of unit rms: both parts of the offset, the phase, and the fibre."""
-        key = int(rng.integers(2**62))
-        return [drift(key, channel, times) / DRIFT_RMS for channel in range(4)]
+        return straightened(read - skewed(envelopes[-1], *known), *known)
 
     def _received(self, target: Plane, ranges: Array, rng: Generator) -> Array:
         """Light on the photodiode, W, with the speckle of a rough target."""
@@ -235,29 +210,17 @@ class RfRanger(Ranger):
         cells = speckle_cells(self.settings, ranges)
         return light * rng.gamma(cells, 1 / cells)
 
-    def _turn(self, averaged: NDArray, drifted: Array, rng: Generator) -> Array:
-        """Error of the drivers' phase, rad, as in the instrument: jitter and drift."""
-        jitter = self.settings.phase_noise[MODES[self.mode] - 1]
-        turn = jitter * rng.standard_normal(averaged.size) / np.sqrt(averaged)
-        return turn + self.settings.phase_drift * drifted
-
     def _fibre(self, drifted: Array) -> Array:
         """Transmission of the fibre over its mean."""
         settings = self.settings
         swing = settings.fibre_high - settings.fibre_low
         return 1 + swing / (2 * settings.fibre) * DRIFT_RMS * drifted
 
-    def _seen(self, light: Array, place: ArrayLike, turn: Array) -> Complex:
-        """Envelope, V, of light, W, from a range, m, with an error of phase, rad."""
-        phase = self.phase(place) + turn
-        return self.envelope(light) * np.exp(1j * phase)
 
-
-def skewed(phasor: ArrayLike, gain: ArrayLike, error: ArrayLike) -> Complex:
+def skewed(phasor: ArrayLike, gain: float, error: float) -> Complex:
     """Reading of an I/Q mixer whose Q is ``gain`` too large and ``error``, rad, off 90 degrees."""
-    z = np.asarray(phasor, complex)
-    turned = z * np.exp(1j * np.asarray(error))
-    return z.real + 1j * gain * turned.imag
+    turned = np.multiply(phasor, np.exp(1j * error))
+    return np.real(phasor) + 1j * gain * turned.imag
 
 
 def rf_image(ranger: RfRanger, target: Target, angles: Array, *, seed: int) -> Array:
@@ -266,9 +229,7 @@ def rf_image(ranger: RfRanger, target: Target, angles: Array, *, seed: int) -> A
     seen = ranger.seen_share(np.maximum(paths.range, 1e-3))
     power = ranger.sent * paths.fraction * seen
     # each ray of the spot has a phase of its own: on a slope they partly cancel
-    phase = ranger.phase(paths.range)
-    rays = ranger.envelope(power) * np.exp(1j * phase)
+    read = ranger.phasor(power, paths.range).sum(-1)
     rng = np.random.default_rng([seed, 16, ranger.mode == "doubled"])
-    noise = ranger.noise(power.sum(-1))
-    read = rays.sum(-1) + noise * circular_normals(rng, noise.size)
+    read += ranger.noise(power.sum(-1)) * circular_normals(rng, read.size)
     return wrapped(np.angle(read)).reshape(np.shape(angles)[:-1])

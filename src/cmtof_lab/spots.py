@@ -59,11 +59,6 @@ def photographed_spots(
     return np.minimum(drawn, sensor.full_well) - sensor.ambient
 
 
-def _gaussian(off: Array) -> Array:
-    """Weight of a centroid, off its middle, px."""
-    return np.exp(-(off**2) / 2 / WEIGHT**2)
-
-
 def place_spots(windows: ArrayLike, sensor: Sensor) -> Arrays:
     r"""Centres (N, 2) and their standard deviations (N,), px, of the spots in windows (N, S, S).
 
@@ -76,24 +71,22 @@ def place_spots(windows: ArrayLike, sensor: Sensor) -> Arrays:
     """
     light = np.asarray(windows, float)
     middle = light.shape[-1] / 2
-    centre = np.full((len(light), 2), middle)
+    centre = np.full((2, len(light)), middle)
     for _ in range(12):
-        x, y = np.arange(light.shape[-1]) + 0.5 - centre.T[..., None]
-        weight = _gaussian(x)[:, None, :] * _gaussian(y)[:, :, None]
+        off = np.arange(light.shape[-1]) + 0.5 - centre[..., None]
+        near = np.exp(-(off**2) / 2 / WEIGHT**2)
+        weight = near[1, :, :, None] * near[0, :, None, :]
         lit = weight * light
         total = np.maximum(lit.sum((1, 2)), 1e-9)
-        off = [
-            (lit.sum(1) * x).sum(1) / total,
-            (lit.sum(2) * y).sum(1) / total,
-        ]
-        centre = centre + np.clip(2 * np.stack(off, 1), -1, 1)
+        pull = np.vecdot([lit.sum(1), lit.sum(2)], off)
+        centre += np.clip(2 * pull / total, -1, 1)
     noise = np.maximum(light, 0) + sensor.ambient + sensor.read_noise**2
     noise *= weight**2
-    sigma = np.sqrt((noise.sum(1) * x**2).sum(1))
-    lit = lit.sum(1) * (1 - x**2 / WEIGHT**2)
-    sigma = sigma / np.maximum(lit.sum(1), 1e-9)
+    off = off[0] ** 2
+    sigma = np.sqrt(np.vecdot(noise.sum(1), off))
+    sigma /= np.maximum(np.vecdot(lit.sum(1), 1 - off / WEIGHT**2), 1e-9)
     lost = total < 6 * np.sqrt(noise.sum((1, 2)))
-    lost |= (np.abs(centre - middle) > 2).any(1)
+    lost |= (np.abs(centre - middle) > 2).any(0)
     lost |= light.max((1, 2)) >= sensor.full_well - sensor.ambient
     sigma = np.where(lost, np.nan, np.hypot(sigma, sensor.speckle))
-    return np.where(lost[:, None], np.nan, centre), sigma
+    return np.where(lost, np.nan, centre).T, sigma

@@ -65,21 +65,17 @@ class StereoRig:
         """Points (..., 3), m, of pairs of pixels (2, ..., 2); NaN without a pair."""
         import cv2
 
-        flat = pixels.reshape(2, -1, 2)
-        known = np.isfinite(flat).all(axis=(0, 2))
-        points = np.full((flat.shape[1], 3), np.nan)
-        if known.any():
-            matrices = [pose.as_matrix()[:3] for pose in self.poses]
-            stop = (cv2.TERM_CRITERIA_COUNT + cv2.TERM_CRITERIA_EPS, 20, 1e-12)
-            planes = [
-                cv2.undistortPoints(one[known][:, None], *lens, criteria=stop)[:, 0].T
-                for one, *lens in zip(
-                    flat, self.matrices, self.distortions, strict=True
-                )
-            ]
-            *place, scale = cv2.triangulatePoints(*matrices, *planes)
-            ahead = place[2] * scale > 0
-            points[known] = np.where(ahead, place / scale, np.nan).T
+        flat = pixels.reshape(2, -1, 1, 2)
+        matrices = [pose.as_matrix()[:3] for pose in self.poses]
+        stop = (cv2.TERM_CRITERIA_COUNT + cv2.TERM_CRITERIA_EPS, 20, 1e-12)
+        planes = [
+            cv2.undistortPoints(np.nan_to_num(one), *lens, criteria=stop)[:, 0].T
+            for one, *lens in zip(flat, self.matrices, self.distortions, strict=True)
+        ]
+        *place, scale = cv2.triangulatePoints(*matrices, *planes)
+        points = (place / scale).T
+        known = np.isfinite(flat).all(axis=(0, 2, 3)) & (points[:, 2] > 0)
+        points[~known] = np.nan
         return points.reshape(*pixels.shape[1:-1], 3)
 
 
@@ -87,19 +83,17 @@ def simulated_rig(*, baseline: float = 0.3, sensor: Sensor = SENSOR) -> StereoRi
     """Rig like Fig. 9a: cameras on either side of the scanner, axes meeting 3 m away."""
     focal = sensor.focal_length / sensor.pitch
     height, width = sensor.shape
-    matrix = np.array(
-        [
-            [focal, 0, width / 2],
-            [0, focal, height / 2],
-            [0, 0, 1],
-        ]
-    )
+    matrix = [
+        [focal, 0, width / 2],
+        [0, focal, height / 2],
+        [0, 0, 1],
+    ]
     half = np.array([baseline / 2, 0, 0])
     turn = Rotation.from_rotvec([0, np.arctan2(half[0], 3.0), 0])
     left = RigidTransform.from_components(-half, turn)
     right = RigidTransform.from_components(half, turn.inv())
     return StereoRig(
-        np.stack([matrix] * 2),
+        np.array([matrix] * 2),
         np.outer([1.0, 1.05], [-0.09, 0.11, 3e-4, -2e-4, 0.0]),
         (left.inv(), right.inv()),
         sensor.shape,
@@ -110,14 +104,17 @@ def board_poses(rig: StereoRig, count: int, *, rng: Generator) -> list[RigidTran
     """Poses of a board about 1.1 m away, tilted by 15 to 40 degrees, whole in both images."""
     poses: list[RigidTransform] = []
     while len(poses) < count:
-        tilt = np.deg2rad(rng.uniform(15, 40))
-        about = rng.uniform(0, TAU)
-        axis = [np.cos(about), np.sin(about), 0]
-        lean = Rotation.from_rotvec(np.multiply(tilt, axis))
-        turn = lean * Rotation.from_rotvec([0, 0, rng.uniform(-0.4, 0.4)])
-        aside = rng.uniform(-1, 1, 2) * [0.14, 0.10]
-        place = np.append(aside, 1) * rng.uniform(0.9, 1.3)
-        pose = RigidTransform.from_components(place, turn)
+        tilt, about, roll = rng.uniform(
+            [15, 0, -0.4],
+            [40, TAU, 0.4],
+        )
+        # leaning about an axis in the board, then rolled
+        turn = Rotation.from_euler("ZXZ", [about, np.deg2rad(tilt), roll - about])
+        x, y, z = rng.uniform(
+            [-0.14, -0.10, 0.9],
+            [0.14, 0.10, 1.3],
+        )
+        pose = RigidTransform.from_components([x * z, y * z, z], turn)
         outline = rig.project(pose.apply(1.6 * BOARD))
         if ((outline > 0) & (outline < rig.shape[::-1])).all():
             poses.append(pose)
@@ -130,18 +127,18 @@ def calibrate(corners: ArrayLike, shape: Shape) -> tuple[StereoRig, float]:
 
     corners = np.asarray(corners, np.float32)
     views = corners.shape[1]
-    lenses = np.eye(3), np.zeros(5), np.eye(3), np.zeros(5)  # it writes into them
+
     rms, left, bent_left, right, bent_right, turn, shift, *_ = cv2.stereoCalibrate(
         [BOARD.astype(np.float32)] * views,
         *map(list, corners),
-        *lenses,
+        *[None] * 4,  # nothing is known of the lenses
         shape[::-1],
         flags=cv2.CALIB_FIX_K3,
     )
     between = RigidTransform.from_components(shift.ravel(), Rotation.from_matrix(turn))
     rig = StereoRig(
         np.stack([left, right]),
-        np.stack([bent_left.ravel()[:5], bent_right.ravel()[:5]]),
+        np.reshape([bent_left, bent_right], (2, -1))[:, :5],
         (RigidTransform.identity(), between),
         shape,
     )
@@ -245,23 +242,28 @@ def truth_from_spots(
     measured phase (H, W), rad, the wrap that brings it nearest to the stereo range, where those of
     both fit into half a wrap. ``draws`` are rigs by other noise of calibration: their scatter adds.
     """
-    found, spread = _ranges(spots, rig, draws)
-    known = np.isfinite(found + spread)
-    depth = np.where(known, found, 0.0)
-    reach = np.where(known, sigmas * spread, np.inf)
+    depth, spread = _ranges(spots, rig, draws)
+    reach = sigmas * spread
     if phase is None:
-        farthest = np.floor((depth + reach) / WRAP)
-        sure = np.floor((depth - reach) / WRAP) == farthest
-        wraps = np.floor(depth / WRAP).astype(np.int64)
+        best = depth
+        wraps = np.floor((depth - reach) / WRAP)
+        sure = wraps == np.floor((depth + reach) / WRAP)
     else:
-        phase = np.asarray(phase, float)
+        seen = np.asarray(phase, float)
         reach = np.hypot(reach, sigmas * np.multiply(phase_noise, WRAP / TAU))
-        sure = np.isfinite(phase) & (reach < WRAP / 2)
-        wraps = consistent_wrap_count(depth, np.nan_to_num(phase), FREQUENCY_SINGLE)
-        depth = depth_from_wraps(phase, wraps, FREQUENCY_SINGLE)
-    mask = known & sure & (wraps >= 0)
-    wraps = np.where(mask, wraps, -1)
-    return PseudoTruth(wraps, mask, found, spread, np.where(mask, depth, np.nan))
+        sure = np.isfinite(seen) & (reach < WRAP / 2)
+        near = np.nan_to_num(depth)
+        wraps = consistent_wrap_count(near, np.nan_to_num(seen), FREQUENCY_SINGLE)
+        best = depth_from_wraps(seen, wraps, FREQUENCY_SINGLE)
+    mask = sure & (wraps >= 0)
+    wraps = np.where(mask, wraps, -1).astype(np.int64)
+    return PseudoTruth(
+        wraps,
+        mask,
+        depth,
+        spread,
+        np.where(mask, best, np.nan),
+    )
 
 
 def _ranges(spots: Spots, rig: StereoRig, draws: Sequence[StereoRig]) -> Arrays:

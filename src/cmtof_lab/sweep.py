@@ -7,14 +7,14 @@ The error of one repeat at stage position x is split by least squares,
 """
 
 from abc import ABC, abstractmethod
-from dataclasses import replace
-from typing import Any, NamedTuple
+from dataclasses import KW_ONLY, dataclass, field, replace
+from typing import NamedTuple
 
 import numpy as np
 from numpy.random import Generator
 from numpy.typing import ArrayLike
 
-from cmtof.constants import FREQUENCY_SINGLE
+from cmtof.constants import FREQUENCY_DOUBLED, FREQUENCY_SINGLE
 from cmtof.correlation import wrap_length
 from cmtof.types import Array, Complex
 from cmtof_lab.optics import inward, returned_fractions, sent_power, trace
@@ -25,6 +25,8 @@ from cmtof_lab.targets import Plane, RayEnds
 POSITIONS = 5e-5 * np.arange(21)
 STAGE_ERROR = 5e-8  # Error of a position of the stage, rms, m (Sec. 8.2)
 WRAP = float(wrap_length(FREQUENCY_SINGLE))  # m
+# Modulation frequency of each mode, Hz.
+FREQUENCY = {"single": FREQUENCY_SINGLE, "doubled": FREQUENCY_DOUBLED}
 
 
 def visited(count: int) -> Array:
@@ -46,8 +48,13 @@ def collected_power(
     return (power * share[1:] / share[0]).reshape(np.shape(ranges))
 
 
+@dataclass(frozen=True)
 class Ranger(ABC):
     """A range finder before a target on a stage."""
+
+    settings: TwinSettings = field(default_factory=TwinSettings)
+    _: KW_ONLY
+    stage_error: float = STAGE_ERROR
 
     def sweep(
         self,
@@ -70,15 +77,33 @@ class Ranger(ABC):
         """Estimated ranges (P,), m, of one sweep."""
 
 
+@dataclass(frozen=True)
+class PhaseRanger(Ranger):
+    """A range finder by the modulation's phase at 7.15 ("single") or 14.32 GHz ("doubled").
+
+    ``visits`` readings at known ranges over one wrap set its zero.
+    """
+
+    mode: str = "single"
+    visits: int = 8  # (assumed)
+    age: float = 600.0  # s from the first visit to the sweep (assumed)
+    # s from one reading to the next (assumed: 2.4 mm/s and a turn of 1 mm)
+    step_time: float = 1.0
+
+    @property
+    def frequency(self) -> float:
+        """Modulation frequency, Hz."""
+        return FREQUENCY[self.mode]
+
+    def times(self, count: int) -> Array:
+        """Times, s, of the visits, and of readings at so many positions."""
+        later = self.age + self.step_time * np.arange(count)
+        return np.append(self.step_time * np.arange(self.visits), later)
+
+
 def circular_normals(rng: Generator, count: int) -> Complex:
     """Circular complex normals (count,) whose real and imaginary parts have unit variance."""
     return rng.standard_normal((count, 2)).view(complex)[:, 0]
-
-
-def reading_times(lab: Any, count: int) -> Array:
-    """Times, s, of the ``visits`` of a range finder that set its zero, and of so many positions."""
-    later = lab.age + lab.step_time * np.arange(count)
-    return np.append(lab.step_time * np.arange(lab.visits), later)
 
 
 class Parts(NamedTuple):
@@ -91,14 +116,12 @@ class Parts(NamedTuple):
     mae: Array
 
 
-def parts(errors: ArrayLike, positions: ArrayLike = POSITIONS) -> Parts:
-    """Offset, slope, scatter, RMSE and MAE of errors (..., P), m, at positions (P,), m."""
-    error = np.asarray(errors, float)
-    place = np.asarray(positions, float)
-    about = place - place.mean()
-    offset = error.mean(axis=-1)
-    slope = error @ about / (about @ about)
-    left = error - offset[..., None] - slope[..., None] * about
-    scatter = np.sqrt((left**2).sum(axis=-1) / (place.size - 2))
-    rmse = np.sqrt(np.mean(error**2, axis=-1))
-    return Parts(offset, slope, scatter, rmse, np.abs(error).mean(axis=-1))
+def parts(errors: Array) -> Parts:
+    """Offset, slope, scatter, RMSE and MAE of errors (..., P), m, at `POSITIONS`."""
+    about = POSITIONS - POSITIONS.mean()
+    offset = errors.mean(axis=-1)
+    slope = errors @ about / (about @ about)
+    left = errors - offset[..., None] - slope[..., None] * about
+    scatter = np.linalg.norm(left, axis=-1) / np.sqrt(about.size - 2)
+    rmse = np.linalg.norm(errors, axis=-1) / np.sqrt(about.size)
+    return Parts(offset, slope, scatter, rmse, np.abs(errors).mean(axis=-1))

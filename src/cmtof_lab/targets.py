@@ -15,7 +15,7 @@ from numpy.typing import ArrayLike, NDArray
 from pydantic import ConfigDict
 from scipy.interpolate import RegularGridInterpolator
 
-from cmtof.frame import ray_lengths, rays_from_camera
+from cmtof.frame import rays_from_camera
 from cmtof.scenes import Frame, load_frame
 from cmtof.types import Array, Arrays, Fields, Flags, Numbers
 
@@ -73,12 +73,13 @@ class FrameTarget:
             raise ValueError(
                 f"Expected a frame with a camera, got {frame.name!r}. Store one."
             )
-        self._camera = np.asarray(frame.camera, float)
-        self._reflectance = np.clip(np.asarray(frame.intensity, float), 0, 1)
-        lengths = ray_lengths(frame.depth.shape, self._camera)
-        planar = np.asarray(frame.depth, float) / lengths
+        fx, fy, cx, cy, *skew = frame.camera
+        self._camera = np.array([[fx, sum(skew), cx], [0, fy, cy]], float)
+        self._reflectance = np.clip(frame.intensity, 0, 1, dtype=float)
+        rays = rays_from_camera(frame.depth.shape, frame.camera)
+        planar = frame.depth / np.linalg.norm(rays, axis=-1)
         self._inverse = 1 / planar
-        self._cosine = _cosines(planar, rays_from_camera(planar.shape, self._camera))
+        self._cosine = _cosines(planar, rays)
         middles = [np.arange(size) + 0.5 for size in planar.shape]
         self._smooth = RegularGridInterpolator(
             middles, self._inverse, bounds_error=False, fill_value=None
@@ -89,21 +90,13 @@ class FrameTarget:
 
     def look(self, directions: Array) -> RayEnds:
         """Trace unit rays (..., 3) from the origin."""
-        right, down, forward = np.moveaxis(directions, -1, 0)
-        ahead = np.where(forward > 0, forward, np.nan)
-        u, v = self._pixels(right / ahead, down / ahead)
-        height, width = self._inverse.shape
-        seen = (u >= 0) & (u < width) & (v >= 0) & (v < height)
-        u = np.where(seen, u, 0.0)
-        v = np.where(seen, v, 0.0)
+        ahead = np.where(directions[..., 2] > 0, directions[..., 2], np.nan)
+        pixels = np.vecdot(self._camera, directions[..., None, :]) / ahead[..., None]
+        seen = ((pixels >= 0) & (pixels < self._inverse.shape[::-1])).all(-1)
+        u, v = np.moveaxis(np.where(seen[..., None], pixels, 0.0), -1, 0)
         nearest = v.astype(int), u.astype(int)
         reach = 1 / (self._inverse_at(u, v) * np.where(seen, ahead, np.nan))
         return RayEnds(reach, self._cosine[nearest], self._reflectance[nearest])
-
-    def _pixels(self, x: Array, y: Array) -> Arrays:
-        """Columns and rows (...), px, of directions (x, y, 1)."""
-        fx, fy, cx, cy, *skew = self._camera
-        return fx * x + sum(skew) * y + cx, fy * y + cy
 
     def _inverse_at(self, u: Array, v: Array) -> Array:
         """Inverse depth, 1/m, exact on planes; across a step that of the nearest pixel."""
