@@ -60,7 +60,7 @@ def test_a_border_counts_the_departure_of_its_pixels():
 def test_beliefs_along_a_chain_are_those_of_all_combinations(monkeypatch, borders):
     """Without loops belief propagation is exact: against the sum over every set of offsets."""
     monkeypatch.setattr(contacts, "_LOOP", 1.0)
-    monkeypatch.setattr(contacts, "_FARTHEST", 4)
+    monkeypatch.setattr(contacts, "_OFFSETS", np.arange(-4, 5))
     alone = known([0.3, 1.6, 0.9], [0.5, 1.0, 0.7])
     joint = joint_odds(alone, borders)
     found = tied(alone, between(*borders))
