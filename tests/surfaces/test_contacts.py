@@ -73,7 +73,7 @@ def test_beliefs_along_a_chain_are_those_of_all_combinations(monkeypatch, border
 def joint_odds(alone, borders):
     """Odds (9, 9, 9) of all combinations of three offsets within four wraps of their own."""
     base = np.rint(alone.mean)[:, None]
-    off = base + np.arange(-4, 5) - alone.mean[:, None]
+    off = base + contacts._OFFSETS - alone.mean[:, None]
     spread = np.hypot(alone.spread, contacts._UNSEEN)[:, None]
     density = np.exp(-((off / spread) ** 2) / 2)
     density = density / density.sum(axis=1, keepdims=True) + contacts._STRAY / 9
@@ -84,7 +84,7 @@ def joint_odds(alone, borders):
     alone = joint.copy()
     for a, b, step, odds in borders:
         meets = wraps[b] - wraps[a] == step
-        odds = odds * min(9 * alone[meets].sum(), 1)
+        odds *= min(9 * alone[meets].sum(), 1)
         joint *= odds * meets + (1 - odds) / 9
     return joint
 
