@@ -56,12 +56,9 @@ def simulate(
         )
     except ValueError as error:  # a note may tell why
         raise ValueError(f"{error} {frame.note}".strip()) from None
-    # where no depth is known no light returns
-    light = np.where(np.isfinite(depth), np.clip(frame.intensity, 0, 1), 0)
-    signal = GAIN * INTEGRATION_TIME * light.astype(np.float32)
-    offset = np.broadcast_to(phase_offset, frequencies.shape)
+    phase_offset = np.broadcast_to(phase_offset, frequencies.shape)
     # an error of the phase is one of the reference phase that the file does not know of
-    means = _means(signal, depth, frequencies, np.add(psi, offset[:, None]))
+    means = _means(frame, depth, frequencies, np.add(psi, phase_offset[:, None]))
     if not noise_free:
         rng = np.random.default_rng([seed, frame_number])
         means = poisson_gaussian(means, rng=rng, sigma=noise, order=order)
@@ -83,22 +80,24 @@ def simulate(
         noise_sigma=0.0 if noise_free else float(noise),
         photon_noise=int(not noise_free),
         noise_order=order,
-        phase_offset=offset,
+        phase_offset=phase_offset,
         gain=GAIN,
         integration_time_ms=INTEGRATION_TIME,
     )
 
 
-def _means(signal: Single, depth: Array, frequencies: Array, psi: Array) -> Single:
+def _means(frame: Frame, depth: Array, frequencies: Array, psi: Array) -> Single:
     """Expected counts ``G T I (1/2 + cos(phi + psi) / pi)`` (F, K, H, W) at psi (F, K), float32."""
+    # where no depth is known no light returns
+    signal = np.where(np.isnan(depth), 0, np.clip(frame.intensity, 0, 1))
+    signal = GAIN * INTEGRATION_TIME * signal.astype(np.float32)
+    depth = np.nan_to_num(depth)
     means = np.empty((*psi.shape, *signal.shape), np.float32)
-    depth = np.where(np.isfinite(depth), depth, 0).astype(float)
     for f, frequency in enumerate(frequencies):
         # turns are reduced in double precision: 700 wraps in float32 would lose a milliradian
-        turns = depth / wrap_length(frequency)
-        angle = (TAU * (turns - np.floor(turns))).astype(np.float32)
-        x = np.cos(angle) * signal / np.float32(np.pi)
-        y = np.sin(angle) * signal / np.float32(np.pi)
+        angle = (TAU * (depth / wrap_length(frequency) % 1)).astype(np.float32)
+        x = np.cos(angle) * signal / np.pi
+        y = np.sin(angle) * signal / np.pi
         for k, step in enumerate(psi[f]):
             c = np.float32(np.cos(step))
             s = np.float32(np.sin(step))
@@ -132,7 +131,8 @@ def staged_depth(
         raise ValueError(
             f"Expected protocol 'released' or 'full', got {protocol!r}. Choose one."
         )
-    mask = known & (np.where(known, depth, -1) >= limits[0]) & (depth < limits[1])
+    low, high = limits
+    mask = known & (depth >= low) & (depth < high)
     if not mask.any():
         nearest = np.nanmin(depth)
         advice = (
@@ -141,7 +141,7 @@ def staged_depth(
             else "Use another protocol or frame."
         )
         raise ValueError(
-            f"Expected depths between {limits[0]:.3f} and {limits[1]:.3f} m, "
+            f"Expected depths between {low:.3f} and {high:.3f} m, "
             f"got {nearest:.3f} to {np.nanmax(depth):.3f} m. {advice}"
         )
     return depth, mask, limits

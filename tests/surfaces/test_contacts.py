@@ -60,7 +60,7 @@ def test_a_border_counts_the_departure_of_its_pixels():
 def test_beliefs_along_a_chain_are_those_of_all_combinations(monkeypatch, borders):
     """Without loops belief propagation is exact: against the sum over every set of offsets."""
     monkeypatch.setattr(contacts, "_LOOP", 1.0)
-    monkeypatch.setattr(contacts, "_FARTHEST", 4)
+    monkeypatch.setattr(contacts, "_OFFSETS", np.arange(-4, 5))
     alone = known([0.3, 1.6, 0.9], [0.5, 1.0, 0.7])
     joint = joint_odds(alone, borders)
     found = tied(alone, between(*borders))
@@ -73,7 +73,7 @@ def test_beliefs_along_a_chain_are_those_of_all_combinations(monkeypatch, border
 def joint_odds(alone, borders):
     """Odds (9, 9, 9) of all combinations of three offsets within four wraps of their own."""
     base = np.rint(alone.mean)[:, None]
-    off = base + np.arange(-4, 5) - alone.mean[:, None]
+    off = base + contacts._OFFSETS - alone.mean[:, None]
     spread = np.hypot(alone.spread, contacts._UNSEEN)[:, None]
     density = np.exp(-((off / spread) ** 2) / 2)
     density = density / density.sum(axis=1, keepdims=True) + contacts._STRAY / 9
@@ -84,7 +84,7 @@ def joint_odds(alone, borders):
     alone = joint.copy()
     for a, b, step, odds in borders:
         meets = wraps[b] - wraps[a] == step
-        odds = odds * min(9 * alone[meets].sum(), 1)
+        odds *= min(9 * alone[meets].sum(), 1)
         joint *= odds * meets + (1 - odds) / 9
     return joint
 

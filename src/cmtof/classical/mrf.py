@@ -16,6 +16,7 @@ from itertools import product
 from typing import NamedTuple
 
 import numpy as np
+from numpy.lib.stride_tricks import sliding_window_view
 from scipy.ndimage import gaussian_filter, uniform_filter
 
 from cmtof.classical.beat import confirmed, steps, synthetic_frequency
@@ -49,7 +50,8 @@ class Field(NamedTuple):
     def unary(self, labels: Numbers) -> Array:
         """Cost (H, W) of labels (H, W) but for a constant."""
         cosine, sine = self.waves[:, labels]
-        return -(self.beat[..., 0] * cosine + self.beat[..., 1] * sine)
+        real, imaginary = np.moveaxis(self.beat, -1, 0)
+        return -(real * cosine + imaginary * sine)
 
     @property
     def waves(self) -> Single:
@@ -93,9 +95,10 @@ def wrap_field(measurement: Measurement) -> Field:
     slope = _slope(phasors[0])
     smooth = _coherent_mean(phasors, slope, high / low, RADIUS)
     noise = _noise(phasors, _coherent_mean(phasors, slope, high / low, 1))
+    noise[0] *= synthetic.multiple
     mean_phase = wrapped(np.angle(smooth[0]))
     beat = synthetic.sign * (np.angle(smooth[1]) - synthetic.multiple * mean_phase)
-    kappa = _sharpness(np.abs(smooth), synthetic.multiple * noise[0], noise[1])
+    kappa = _sharpness(np.abs(smooth), noise)
     first, last = wraps_in_range(measurement)
     share = synthetic.frequency / low
     turned = _pooled(kappa, beat, share * slope)
@@ -115,12 +118,14 @@ def _phasors(measurement: Measurement) -> Complex:
     return np.where(known, amplitude, 0) * np.exp(1j * measurement.phase[:2])
 
 
-def _sharpness(size: Array, lower: float, higher: float) -> Array:
-    """Weight kappa (H, W) of a beat by amplitudes (2, H, W) of its phasors and their noise."""
+def _sharpness(size: Array, noise: Array) -> Array:
+    """Weight kappa (H, W) of a beat by amplitudes (2, H, W) of its phasors and their noise (2,)."""
     # neighbours share what smoothing gained, so each gets the variance of a single pixel
     with np.errstate(divide="ignore", invalid="ignore"):
-        variance = (lower / size[0]) ** 2 + (higher / size[1]) ** 2
-    return np.where((size > 0).all(axis=0), 1 / np.maximum(variance, 1 / _SHARPEST), 0)
+        spread = noise[:, None, None] / size
+        variance = np.sum(spread**2, axis=0)
+    kappa = 1 / np.maximum(variance, 1 / _SHARPEST)
+    return np.where((size > 0).all(axis=0), kappa, 0)
 
 
 def _slope(phasor: Complex) -> Array:
@@ -138,32 +143,37 @@ def _pooled(kappa: Array, beat: Array, slope: Array) -> Complex:
     """Gaussian mean of ``kappa exp(i beat)``, moved by the slope from the centre of its weights."""
     mean = partial(gaussian_filter, sigma=POOLING, mode="constant")
     total = np.maximum(mean(kappa), np.finfo(float).tiny)
-    place = np.indices(kappa.shape, sparse=True)
-    off = sum(
-        s * (mean(kappa * at) / total - at) for s, at in zip(slope, place, strict=True)
-    )
+    off = np.zeros_like(kappa)
+    for steepness, place in zip(slope, np.indices(kappa.shape), strict=True):
+        centre = mean(kappa * place) / total
+        off += steepness * (centre - place)
     return mean(kappa * np.exp(1j * beat)) * np.exp(-1j * off)
 
 
 def _noise(phasors: Complex, means: Complex) -> Array:
     """Noise of two phasors across their direction, counts, from what averaging took off."""
-    across = np.abs((phasors * np.exp(-1j * np.angle(means))).imag)
     known = (phasors != 0).all(axis=0)
-    return 1.4826 * np.median(across[:, known], axis=1) if known.any() else np.zeros(2)
+    if not known.any():
+        return np.zeros(2)
+    turned = phasors * np.exp(-1j * np.angle(means))
+    across = np.abs(turned.imag[:, known])
+    return 1.4826 * np.median(across, axis=1)
 
 
 def _coherent_mean(
     phasors: Complex, slope: Array, ratio: float, radius: int
 ) -> Complex:
     """Mean of phasors (2, H, W) over a square, turned back by the slope, ``ratio`` times it."""
-    down, right = np.exp(-1j * np.array([1.0, ratio])[:, None, None] * slope[:, None])
-    height, width = slope.shape[1:]
-    beyond = np.pad(phasors, [(0, 0)] + [(radius, radius)] * 2)
+    ratios = np.array([1.0, ratio])[:, None, None]
+    down, right = np.exp(-1j * ratios * slope[:, None])
+    margin = (radius, radius)
+    beyond = np.pad(phasors, [(0, 0), margin, margin])
+    moved = sliding_window_view(beyond, slope.shape[1:], axis=(1, 2))
     side = 2 * radius + 1
     total = np.zeros_like(phasors)
     for v, u in np.ndindex(side, side):
         turn = down ** (v - radius) * right ** (u - radius)
-        total += beyond[:, v : v + height, u : u + width] * turn
+        total += moved[:, v, u] * turn
     return total / side**2
 
 
@@ -174,13 +184,21 @@ def semi_global_labels(field: Field) -> tuple[Numbers, Single]:
     for down, right in PATHS:
         # each goes down and to the right in images turned over
         turned = np.s_[:: down or 1, :: right or 1]
-        images = field.beat[turned], field.phase[turned], cosine, sine
-        _add_path(*images, abs(down), abs(right), total[turned])
+        _add_path(
+            field.beat[turned],
+            field.phase[turned],
+            cosine,
+            sine,
+            abs(down),
+            abs(right),
+            total[turned],
+        )
     labels = np.empty(field.phase.shape, np.intp)
     odds = np.empty_like(field.phase)
     for y, beat in enumerate(field.beat):
         # each path counts the pixel's own cost, which counts once
-        cost = total[y] + 7 * (beat[:, :1] * cosine + beat[:, 1:] * sine)
+        own = beat[:, :1] * cosine + beat[:, 1:] * sine
+        cost = total[y] + 7 * own
         labels[y] = cost.argmin(axis=1)
         odds[y] = 1 / np.exp(
             (cost.min(axis=1, keepdims=True) - cost) / _TEMPERATURE
@@ -195,33 +213,36 @@ def _add_path(
     """Costs of the paths from (y - down, x - right) to each pixel, added to total (H, W, N)."""
     # of this row and the one before
     costs = np.empty((2, *total.shape[1:]), np.float32)
-    wide, spare = np.empty((2, cosine.size + 2), np.float32)
+    buffers = np.empty((2, cosine.size + 2), np.float32)
     for y, x in np.ndindex(phase.shape):
         here = costs[y % 2, x]
-        here[:] = -(beat[y, x, 0] * cosine + beat[y, x, 1] * sine)
+        own = beat[y, x]
+        here[:] = -(own[0] * cosine + own[1] * sine)
         if y >= down and x >= right:
-            # labels rise where the phase falls by a wrap
-            rise = phase[y - down, x - right] - phase[y, x]
-            start = 1 - int(np.rint(rise / np.float32(2 * np.pi)))
-            here += _cheapest(costs[(y - down) % 2, x - right], wide, spare)[
-                start : start + cosine.size
-            ]
+            before = (y - down, x - right)
+            fall = phase[before] - phase[y, x]
+            here += _cheapest(costs[before[0] % 2, before[1]], fall, buffers)
         total[y, x] += here
 
 
 @njit()
-def _cheapest(before, wide, spare):  # pragma: no cover - compiled
-    """Min over m of ``before(m) - least + min(JUMP |n - m|, MOST)``, a label more at each end."""
+def _cheapest(before, fall, buffers):  # pragma: no cover - compiled
+    """Min over m of ``before(m) - least + min(JUMP |n - m|, MOST)``, moved as the phase falls."""
+    wide, spare = buffers  # a label more at each end
     wide[0] = wide[-1] = MOST
     wide[1:-1] = np.minimum(before - before.min(), np.float32(MOST))
     # cones of 1 and 2 steps make up one of 3; 4 cost more than MOST
     for reach in (1, 2):
         rise = np.float32(reach * JUMP)
         spare[:] = wide
-        spare[reach:] = np.minimum(spare[reach:], wide[:-reach] + rise)
-        spare[:-reach] = np.minimum(spare[:-reach], wide[reach:] + rise)
+        above = spare[reach:]
+        above[:] = np.minimum(above, wide[:-reach] + rise)
+        below = spare[:-reach]
+        below[:] = np.minimum(below, wide[reach:] + rise)
         wide, spare = spare, wide
-    return wide
+    # labels rise where the phase falls by a wrap
+    start = 1 - int(np.rint(fall / np.float32(TAU)))
+    return wide[start : start + before.size]
 
 
 def lowered(field: Field, labels: Numbers) -> Numbers:
@@ -234,8 +255,9 @@ def lowered(field: Field, labels: Numbers) -> Numbers:
 
 def energy(field: Field, labels: Numbers) -> float:
     """E of labels (H, W) with the convex prior."""
+    own = field.unary(labels).sum(dtype=float)
     pairs = sum(np.abs(_steps(field, labels, axis)).sum() for axis in (0, 1))
-    return float(field.unary(labels).sum(dtype=float) + JUMP * pairs)
+    return float(own + JUMP * pairs)
 
 
 def best_move(field: Field, labels: Numbers, step: int) -> Flags:
@@ -256,16 +278,18 @@ def best_move(field: Field, labels: Numbers, step: int) -> Flags:
         ahead = JUMP * np.abs(now + step)
         back = JUMP * np.abs(now - step)
         along = np.moveaxis(excess, axis, 0)
-        along[:-1] += np.moveaxis(back - same, axis, 0)
-        along[1:] += np.moveaxis(same - back, axis, 0)
+        change = np.moveaxis(back - same, axis, 0)
+        along[:-1] += change
+        along[1:] -= change
         capacities.append(ahead + back - 2 * same)
     return minimum_cut(excess, *capacities)
 
 
 def _steps(field: Field, labels: Numbers, axis: int) -> Numbers:
     """Steps between neighbouring labels beyond those of the phase, ``n_q - n_p - d_pq``."""
-    told = -np.rint(np.diff(field.phase, axis=axis) / TAU).astype(np.int64)
-    return np.diff(labels.astype(np.int64), axis=axis) - told
+    turns = np.diff(field.phase, axis=axis) / TAU
+    falls = np.rint(turns).astype(np.int64)
+    return np.diff(labels, axis=axis) + falls
 
 
 def minimum_cut(excess: Array, right: Array, down: Array) -> Flags:
@@ -278,22 +302,23 @@ def minimum_cut(excess: Array, right: Array, down: Array) -> Flags:
     from scipy.sparse.csgraph import breadth_first_order, maximum_flow
 
     source = excess.size
+    sink = source + 1
     index = np.arange(source).reshape(excess.shape)
     # x = 0 on the side of the sink: edges that lead there are cut for x = 1 before them
-    edges = (
-        (np.full_like(index, source), index, np.maximum(-excess, 0)),
-        (index, np.full_like(index, source + 1), np.maximum(excess, 0)),
-        (index[:, 1:], index[:, :-1], right),
-        (index[1:], index[:-1], down),
+    start = np.concatenate(
+        [np.full_like(index, source), index, index[:, 1:], index[1:]], axis=None
     )
-    start, end, cost = (
-        np.concatenate([*map(np.ravel, e)]) for e in zip(*edges, strict=True)
+    end = np.concatenate(
+        [index, np.full_like(index, sink), index[:, :-1], index[:-1]], axis=None
     )
-    scale = 2.0**26 / max(cost[np.isfinite(cost)].max(initial=0), 1e-30)
+    cost = np.concatenate(
+        [np.maximum(-excess, 0), np.maximum(excess, 0), right, down], axis=None
+    )
+    largest = cost[np.isfinite(cost)].max(initial=0)
+    scale = 2.0**26 / max(largest, 1e-30)
     capacity = np.rint(np.minimum(cost * scale, 2.0**28)).astype(np.int32)
-    graph = csr_array((capacity, (start, end)), shape=(source + 2,) * 2)
-    left = graph - maximum_flow(graph, source, source + 1).flow
+    graph = csr_array((capacity, (start, end)), shape=(sink + 1, sink + 1))
+    left = graph - maximum_flow(graph, source, sink).flow
     left = csr_array(left).maximum(0)
-    reached = np.zeros(source + 2, bool)
-    reached[breadth_first_order(left, source, return_predecessors=False)] = True
-    return reached[:source].reshape(excess.shape)
+    reached = breadth_first_order(left, source, return_predecessors=False)
+    return np.isin(index, reached)

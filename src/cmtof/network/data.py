@@ -56,22 +56,30 @@ def phasors(batch: Batch) -> tuple[Tensor, Tensor, Tensor]:
     (B, 2, 4, H, W). At four quadratures a phasor's noise is independent along and across it, of
     variance :math:`(GTI/2 + \sigma^2)/2`; the images' mean and alternating part have half of it.
     """
-    known = torch.isfinite(batch.depth)
-    signal = GAIN * INTEGRATION_TIME * torch.where(known, batch.intensity, 0.0)[:, None]
-    tones = torch.tensor(FREQUENCIES, dtype=torch.float64, device=signal.device)
-    # turns are reduced in double precision: 700 wraps in float32 would lose a milliradian
-    depth = torch.where(known, batch.depth, 0.0).double()[:, None]
-    turns = depth * (2 * tones / SPEED_OF_LIGHT).view(-1, 1, 1)
-    angle = (TAU * (turns - turns.floor())).float() + batch.offset[..., None, None]
+    light = torch.where(torch.isfinite(batch.depth), batch.intensity, 0.0)
+    signal = GAIN * INTEGRATION_TIME * light[:, None]
     spread = torch.sqrt(signal / 4 + batch.sigma.view(-1, 1, 1, 1) ** 2 / 2)
-    x = signal / torch.pi * torch.cos(angle) + spread * batch.noise[:, 0]
-    y = signal / torch.pi * torch.sin(angle) + spread * batch.noise[:, 1]
-    mean = signal / 2 + spread * batch.noise[:, 2] / 2**0.5
-    alternating = spread * batch.noise[:, 3] / 2**0.5
+    noise = (spread[:, None] * batch.noise).unbind(1)
+    angle = _angles(batch)
+    size = signal / torch.pi
+    x = size * torch.cos(angle) + noise[0]
+    y = size * torch.sin(angle) + noise[1]
+    mean = signal / 2 + noise[2] / 2**0.5
+    alternating = noise[3] / 2**0.5
     even = mean + alternating
     odd = mean - alternating
     correlation = torch.stack([even + x, odd - y, even - x, odd + y], 2)
     return torch.remainder(torch.atan2(y, x), TAU), torch.hypot(x, y), correlation
+
+
+def _angles(batch: Batch) -> Tensor:
+    """Phases (B, 2, H, W), rad, with their errors; those of depth 0 where it is unknown."""
+    known = torch.isfinite(batch.depth)
+    # turns are reduced in double precision: 700 wraps in float32 would lose a milliradian
+    depth = torch.where(known, batch.depth, 0.0).double()[:, None]
+    tones = depth.new_tensor(FREQUENCIES)
+    turns = depth * (2 * tones / SPEED_OF_LIGHT).view(-1, 1, 1)
+    return (TAU * turns.frac()).float() + batch.offset[..., None, None]
 
 
 def measure(batch: Batch, *, inputs: str, protocol: str) -> Sample:
@@ -84,9 +92,7 @@ def measure(batch: Batch, *, inputs: str, protocol: str) -> Sample:
     turns = batch.depth / WRAP - first
     repeated = unambiguous_range(FREQUENCIES) / WRAP - first
     scored = (turns >= 0) & (turns < min(classes, repeated))  # false for NaN
-    label = torch.where(
-        scored, torch.nan_to_num(turns, nan=-1.0).floor().long(), IGNORED
-    )
+    label = torch.where(scored, turns.floor().long(), IGNORED)
     return Sample(
         features(phase, amplitude, inputs, correlation), label, phase[:, 0], turns
     )
@@ -110,11 +116,14 @@ def leaves(rng: np.random.Generator, side: int, protocol: str = "released") -> C
         far = np.hypot(along, beside)
         if rng.integers(2):  # a rectangle rather than an ellipse
             far = np.maximum(abs(along), abs(beside))
-        turns = np.where(far > 1, turns, _plate_depth(rng, away, size, protocol))
-        light = np.where(far > 1, light, _plate_light(rng, pixels, along))
-    grain = 0.15 * rng.standard_normal((side, side)) * (rng.uniform() < 0.5)
+        outside = far > 1
+        turns = np.where(outside, turns, _plate_depth(rng, away, size, protocol))
+        light = np.where(outside, light, _plate_light(rng, pixels, along))
+    grain = 0.15 * rng.standard_normal((side, side))
+    grain *= rng.uniform() < 0.5
+    light *= np.exp(grain)
     depth = np.where(turns > 1, turns * WRAP, np.nan)
-    return depth, np.minimum(light * np.exp(grain), 1)
+    return depth, np.minimum(light, 1)
 
 
 def _rotate(pixels: Array, rng: np.random.Generator) -> Array:
@@ -145,10 +154,12 @@ def _plate_depth(
 def _plate_light(rng: np.random.Generator, pixels: Array, along: Array) -> Array:
     """Brightness (H, W) of a plate: stripes, checks or a gradient along it."""
     pitch = np.exp(rng.uniform(np.log(4), np.log(60)))
-    waves = np.sin(TAU / pitch * _rotate(pixels, rng))
-    kinds = (waves[0], np.sign(waves[0] * waves[1]), np.clip(along, -1, 1))
+    stripes, others = np.sin(TAU / pitch * _rotate(pixels, rng))
+    checks = np.sign(stripes * others)
+    gradient = np.clip(along, -1, 1)
     contrast = rng.uniform(0, 0.8) * (rng.uniform() < 0.6)
     bright = 0.35 * np.exp(rng.normal(0, 1.1))
+    kinds = (stripes, checks, gradient)
     return bright * (1 + contrast * kinds[rng.integers(3)])
 
 
@@ -161,9 +172,7 @@ class Pack(NamedTuple):
 
     def staged(self, view: int, protocol: str, window: Any = ...) -> Crop:
         """Depth as the protocol stages it, and intensity, of a window of one frame."""
-        scale = 1.0
-        if protocol == "released":
-            scale = released_scale(self.far[view])
+        scale = released_scale(self.far[view]) if protocol == "released" else 1.0
         depth = self.depth[view][window]
         light = self.intensity[view][window]
         return depth.astype(float) * scale, light.astype(float)
@@ -220,9 +229,12 @@ def open_rooms(config: Config, tree: Path | None, folder: Path) -> Packs:
 
 def _pack_of_leaves(config: Config) -> Pack:
     """Leaves to validate on."""
-    rngs = (np.random.default_rng([99, k]) for k in range(config.validation_views))
-    crops = [leaves(rng, config.stages[-1].crop, config.protocol) for rng in rngs]
-    depth, light = (np.stack(images) for images in zip(*crops, strict=True))
+    side = config.stages[-1].crop
+    crops = []
+    for k in range(config.validation_views):
+        rng = np.random.default_rng([99, k])
+        crops.append(leaves(rng, side, config.protocol))
+    depth, light = map(np.stack, zip(*crops, strict=True))
     return Pack(depth, light, np.full(len(crops), RELEASED_FAR_DEPTH))
 
 
@@ -233,8 +245,9 @@ def room_crop(rng: np.random.Generator, pack: Pack, side: int, protocol: str) ->
     """
     draws = []
     for _ in range(4):
-        draws.append(_draw_window(rng, pack, side, protocol))
-        if draws[-1][0] > 0.3:
+        draw = _draw_window(rng, pack, side, protocol)
+        draws.append(draw)
+        if draw[0] > 0.3:
             break
     _, *best = max(draws, key=itemgetter(0))
     turn = rng.integers(4)
@@ -256,7 +269,7 @@ def _draw_window(
         depth += (first + rng.uniform(0, classes)) * WRAP - rng.choice(known)
         depth[depth < WRAP] = np.nan
     inside = (depth >= first * WRAP) & (depth < (first + classes) * WRAP)
-    return float(inside.mean()), depth, light
+    return inside.mean(), depth, light
 
 
 @dataclass(eq=False)
@@ -272,18 +285,20 @@ class Steps(Dataset[Batch]):
     world: int = 1
 
     def __getitem__(self, step: int) -> Batch:
-        stage, share = self.config.stage_at(step)
+        config = self.config
+        stage, share = config.stage_at(step)
         low, high = stage.noise
         sigma = low * (high / low) ** min(share / stage.ramp, 1)
         crops = []
         for k in range(self.rank, stage.batch, self.world):
-            rng = np.random.default_rng([self.config.seed, step, k])
+            rng = np.random.default_rng([config.seed, step, k])
             if self.pack is not None and rng.uniform() < stage.rooms:
-                crop = room_crop(rng, self.pack, stage.crop, self.config.protocol)
+                crop = room_crop(rng, self.pack, stage.crop, config.protocol)
             else:
-                crop = leaves(rng, stage.crop, self.config.protocol)
-            crops.append((*crop, sigma * float(np.exp(rng.uniform(-0.2, 0.1))), rng))
-        return batch_of(crops, self.config.offset)
+                crop = leaves(rng, stage.crop, config.protocol)
+            noise = sigma * np.exp(rng.uniform(-0.2, 0.1))
+            crops.append((*crop, noise, rng))
+        return batch_of(crops, config.offset)
 
 
 def batch_of(crops: list[tuple], offset: float = 0.0) -> Batch:

@@ -60,10 +60,12 @@ def _turn(turns):  # pragma: no cover - compiled
     odd = 1.0 - 2.0 * (whole - 2.0 * np.floor(0.5 * whole))
     y = x * x
     # quotients of literals are factors already when this is compiled
-    c = y * (1 / 40320 - y * (1 / 3628800 - y * (1 / 479001600)))
-    c = 1 - y * (1 / 2 - y * (1 / 24 - y * (1 / 720 - c)))
-    s = y * (1 / 5040 - y * (1 / 362880 - y * (1 / 39916800)))
-    s = x * (1 - y * (1 / 6 - y * (1 / 120 - s)))
+    c = 1 / 40320 - y * (1 / 3628800 - y * (1 / 479001600))
+    c = 1 / 24 - y * (1 / 720 - y * c)
+    c = 1 - y * (1 / 2 - y * c)
+    s = 1 / 5040 - y * (1 / 362880 - y * (1 / 39916800))
+    s = 1 / 6 - y * (1 / 120 - y * s)
+    s = x * (1 - y * s)
     return odd * c, odd * s
 
 
@@ -74,7 +76,8 @@ def pixel_likelihood(field, q, y, x):  # pragma: no cover - compiled
     total = 0.0
     for f in range(2):
         c, s = _turn(field.wavenumber[f] / TAU * z)
-        total = total + field.real[f, y, x] * c + field.imaginary[f, y, x] * s
+        total += field.real[f, y, x] * c
+        total += field.imaginary[f, y, x] * s
     return total
 
 
@@ -92,14 +95,15 @@ def cell_likelihood(field, q, row, column):  # pragma: no cover - compiled
 def frequency_sums(field, q, boxes):  # pragma: no cover - compiled
     """S of both frequencies (2,) over rectangles, then E of both (2,)."""
     out = np.zeros((2, 2))
-    for box in boxes:
-        for y in range(box[0], box[1]):
-            for x in range(box[2], box[3]):
+    for top, bottom, left, right in boxes:
+        for y in range(top, bottom):
+            for x in range(left, right):
                 turns = depth_at(field, q, y, x) / TAU
                 for f in range(2):
+                    at = (f, y, x)
                     c, s = _turn(field.wavenumber[f] * turns)
-                    out[0, f] += field.real[f, y, x] * c + field.imaginary[f, y, x] * s
-                    out[1, f] += field.information[f, y, x]
+                    out[0, f] += field.real[at] * c + field.imaginary[at] * s
+                    out[1, f] += field.information[at]
     return out
 
 
@@ -111,34 +115,32 @@ def _moments(field, region, q):  # pragma: no cover - compiled
     h = np.zeros(BENT)
     matrix = np.zeros((BENT, BENT))
     row = np.empty((3, 5))  # sums of g, h and M along a row, by powers of u
-    label = region.label
-    only = region.only
-    for box in region.boxes:
-        for y in range(box[0], box[1]):
+    for top, bottom, left, right in region.boxes:
+        for y in range(top, bottom):
             v = field.v[y]
-            below = (1.0, v, v * v)
             first = q[0] + q[4] * v
             none = q[2] + q[1] * v + q[5] * v * v
             row[:] = 0.0
             likelihood = most = b = c = 0.0
-            for x in range(box[2], box[3]):
-                counts = 1.0 if only < 0 or label[y, x] == only else 0.0
+            for x in range(left, right):
+                if region.only >= 0 and region.label[y, x] != region.only:
+                    continue
                 u = field.u[x]
                 across = (1.0, u, u * u)
-                z = 1.0 / max(
-                    field.cosine[y, x] * (none + u * (first + q[3] * u)), FARTHEST
-                )
-                slope = -z * z * field.cosine[y, x]
+                axial = field.cosine[y, x]
+                z = 1.0 / max(axial * (none + u * (first + q[3] * u)), FARTHEST)
+                slope = -z * z * axial
                 told = pull = stiff = by_depth = by_both = by_turns = 0.0
                 for f in range(2):
                     k = field.wavenumber[f]
                     turns = field.turns[f]
-                    real = field.real[f, y, x]
-                    imaginary = field.imaginary[f, y, x]
-                    information = counts * field.information[f, y, x]
+                    at = (f, y, x)
+                    real = field.real[at]
+                    imaginary = field.imaginary[at]
+                    information = np.float64(field.information[at])
                     cosine, sine = _turn(k / TAU * z)
-                    likelihood += counts * (real * cosine + imaginary * sine)
-                    error = counts * (imaginary * cosine - real * sine)
+                    likelihood += real * cosine + imaginary * sine
+                    error = imaginary * cosine - real * sine
                     told += information
                     pull += error * turns
                     stiff += information * turns * turns
@@ -156,13 +158,21 @@ def _moments(field, region, q):  # pragma: no cover - compiled
                     row[2, 2 + i] += by_turns * slope * slope * across[i] * across[2]
             for i, value in enumerate((likelihood, most, b, c)):
                 sums[i] += value
-            for i in range(BENT):
-                up = below[_V[i]]
-                g[i] += up * row[0, _U[i]]
-                h[i] += up * row[1, _U[i]]
-                for j in range(i + 1):
-                    matrix[i, j] += up * below[_V[j]] * row[2, _U[i] + _U[j]]
+            _add_row(row, v, g, h, matrix)
     return sums, g, h, matrix
+
+
+@njit()
+def _add_row(row, v, g, h, matrix):  # pragma: no cover - compiled
+    """Add the sums of a row, by powers of u, to those by the six functions."""
+    below = (1.0, v, v * v)
+    for i in range(BENT):
+        up = below[_V[i]]
+        u = _U[i]
+        g[i] += up * row[0, u]
+        h[i] += up * row[1, u]
+        for j in range(i + 1):
+            matrix[i, j] += up * below[_V[j]] * row[2, u + _U[j]]
 
 
 @njit()
@@ -176,9 +186,9 @@ def look(field, region, q, size):  # pragma: no cover - compiled
     share = min(max(sums[0] / max(sums[1], 1e-9), 0.3), 1.0)
     g /= share
     step = solve(matrix, g, size)
-    shift = solve(matrix, h, size)[:size]
-    known = max(sums[3] - np.sum(h[:size] * shift), 1e-12)
-    offset = -(sums[2] / share - np.sum(g[:size] * shift)) / known
+    shift = solve(matrix, h, size)  # zero beyond these parameters
+    known = max(sums[3] - np.sum(h * shift), 1e-12)
+    offset = -(sums[2] / share - np.sum(g * shift)) / known
     return Fit(q, sums[0], sums[1], step, offset, known * share)
 
 
@@ -282,14 +292,14 @@ def boxes_of_cells(cells, columns, most):  # pragma: no cover - compiled
 @njit()
 def _fit_all(field, label, cells, starts, surfaces, effort, gain):  # pragma: no cover
     """Do what `fitted` says, in place; cells sorted by surface, and where those of each start."""
+    steps, most = effort
     fit = np.zeros((len(surfaces), 16))
     for n in range(len(surfaces)):
         own = cells[starts[n] : starts[n + 1]]
         if own.size > 0:
-            boxes, weight = boxes_of_cells(own, field.u.size // CELL, effort[1])
-            region = Region(boxes, label, n)
+            boxes, weight = boxes_of_cells(own, field.u.size // CELL, most)
             q = surfaces[n, :BENT]
-            fit[n] = _fit_one(field, region, q, effort[0], gain, weight)
+            fit[n] = _fit_one(field, Region(boxes, label, n), q, steps, gain, weight)
     return surfaces, fit
 
 
@@ -301,7 +311,7 @@ def _fit_one(field, region, q, steps, gain, weight):  # pragma: no cover - compi
     if possible(field, found.q, region.boxes):
         stiff = max(stiffness(field, found.most), 1e-9)
         bend = np.sqrt(found.known / stiff)
-        row[:4] = np.array([found.offset, found.known * weight, missed, bend])
+        row[:4] = (found.offset, found.known * weight, missed, bend)
         if not found.q[PLANE:].any():
             row[4:] = leaning(field, region, found.q, weight).ravel()
         q[:] = found.q
@@ -316,13 +326,13 @@ def fitted(
     And the fit (N, 16): offset that is lacking, wraps; its inverse variance; what a plane misses,
     m (rms); by how much a wrap bends a plane, m; for planes `leaning`.
     """
-    rows, columns = (n // CELL for n in label.shape)
+    columns = label.shape[1] // CELL
+    count = label.size // CELL**2
     y, x = np.nonzero(label >= 0)
+    cell = y // CELL * columns + x // CELL
     # one entry for each surface and cell that share pixels
-    pairs = np.unique(
-        (label[y, x].astype(np.int64) * rows + y // CELL) * columns + x // CELL
-    )
-    of, cells = np.divmod(pairs, rows * columns)
+    pairs = np.unique(label[y, x].astype(np.int64) * count + cell)
+    of, cells = np.divmod(pairs, count)
     starts = np.searchsorted(of, np.arange(len(surfaces) + 1))
     label = label.astype(np.int32)
     return _fit_all(field, label, cells, starts, surfaces.copy(), effort, gain)

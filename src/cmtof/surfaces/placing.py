@@ -25,7 +25,7 @@ from cmtof.surfaces.roughness import (
     sum_surfaces,
     turned_alike,
 )
-from cmtof.surfaces.shapes import FARTHEST
+from cmtof.surfaces.shapes import depth_of_labels
 from cmtof.types import Array, Arrays, Flags, Numbers
 
 RADIUS = 2  # half side, px, of the square over which a pixel compares surfaces
@@ -80,14 +80,16 @@ def pixel_labels(
     best = np.full(shape, -np.inf)
     _label(field, owner, surfaces, label, best)
     told = np.zeros(shape)
-    for frequency, loss in enumerate((0.5, 2.0)):  # of S by roughness
-        information = field.information[frequency].astype(float)
-        left = np.append(np.exp(-loss * surfaces[:, 6:].sum(axis=1)), 1.0)
-        told += (
-            side**2 * uniform_filter(information, side, mode="constant") * left[label]
-        )
-    share = np.where(label < 0, 0, best / np.maximum(told, 1e-9)).astype(np.float32)
-    return np.where(share > EXPLAINED, label, -1).astype(np.int32), share
+    rough = surfaces[:, 6:].sum(axis=1)
+    # each frequency loses its own part of S by roughness
+    for image, loss in zip(field.information, (0.5, 2.0), strict=True):
+        left = np.append(np.exp(-loss * rough), 1.0)
+        mean = uniform_filter(image.astype(float), side, mode="constant")
+        told += side**2 * mean * left[label]
+    share = best / np.maximum(told, 1e-9)
+    share = np.where(label < 0, 0, share).astype(np.float32)
+    label = np.where(share > EXPLAINED, label, -1)
+    return label.astype(np.int32), share
 
 
 def interiors(label: Numbers, share: Array) -> Numbers:
@@ -96,32 +98,12 @@ def interiors(label: Numbers, share: Array) -> Numbers:
     inner = (minimum_filter(label, side) == maximum_filter(label, side)) & (
         share > _CERTAIN
     )
-    known = label >= 0
-    count = int(label.max()) + 1
-    whole, left = (
-        np.bincount(label[known & of], minlength=count) for of in (True, inner)
-    )
-    thin = np.append(left < whole / 4, False)
-    return np.where(inner | thin[label], label, -1).astype(np.int32)
-
-
-def depth_of_labels(field: Field, label: Numbers, surfaces: Array) -> Array:
-    """Depth (H, W), m, of each pixel on its surface; NaN without one."""
-    out = np.full(label.shape, np.nan)
-    y, x = np.nonzero(label >= 0)
-    out[y, x] = depth_of_pixels(field, surfaces, label[y, x], y, x)
-    return out
-
-
-def depth_of_pixels(
-    field: Field, surfaces: Array, which: Numbers, y: Numbers, x: Numbers
-) -> Array:
-    """Depth (P,), m, of surfaces by their number (P,) at pixels (P,)."""
-    q = surfaces[which].T
-    u = field.u[x]
-    v = field.v[y]
-    inverse = q[0] * u + q[1] * v + q[2] + q[3] * u * u + q[4] * u * v + q[5] * v * v
-    return 1 / np.maximum(field.cosine[y, x] * inverse, FARTHEST)
+    number = label + 1  # zero stands for none
+    whole = np.bincount(number.ravel())
+    left = np.bincount(number[inner], minlength=whole.size)
+    thin = left < whole / 4
+    thin[0] = False
+    return np.where(inner | thin[number], label, -1).astype(np.int32)
 
 
 @njit()
@@ -177,18 +159,18 @@ def offsets(
 
 def _information_of_shapes(fit: Array) -> Array:
     """Inverse variance (N,), 1 / wraps^2, of offsets by the shapes of planes."""
+    plane = fit[:, 1] > 0
     known, missed, bend = np.maximum(fit[:, 1:4].T, 1e-12)
-    stiff = np.where(fit[:, 1] > 0, known / bend**2, 0)
+    stiff = np.where(plane, known / bend**2, 0)
     # what is too faint for its own unevenness to be seen is as uneven as the others
     order = np.argsort(missed)
     told = stiff[order].cumsum()
-    typical = missed
-    if len(told):
-        typical = missed[order][np.searchsorted(told, told[-1:] / 2)]
+    middle = np.searchsorted(told, told[-1:] / 2)
+    typical = missed[order][middle]
     unseen = np.minimum(typical, np.sqrt(_FAINT / np.maximum(stiff, 1e-12)))
     uneven = np.maximum(missed, np.maximum(unseen, _SMOOTH))
     variance = 1 / known + (uneven / bend) ** 2 + _FLOOR[0] ** 2
-    return np.where(fit[:, 1] > 0, 1 / variance, 0)
+    return np.where(plane, 1 / variance, 0)
 
 
 def _closure(excess: Array, most: Array) -> float:
@@ -196,12 +178,14 @@ def _closure(excess: Array, most: Array) -> float:
 
     It is zero if it is not significant.
     """
-    weight = most
     off = 0.0
+    total = 0.0
     for _ in range(_CLOSING):
         weight = most / (1 + most * (excess - off) ** 2 / 2)
-        off = float(weight @ excess / (weight.sum() + _CLOSED))
-    return 0.0 if abs(off) < _OPEN / np.sqrt(weight.sum() + 1e-12) else off
+        total = weight.sum()
+        off = float(weight @ excess / (total + _CLOSED))
+    least = _OPEN / np.sqrt(total + 1e-12)
+    return 0.0 if abs(off) < least else off
 
 
 class Planes(NamedTuple):
@@ -215,10 +199,12 @@ class Planes(NamedTuple):
 
 def _planes(surfaces: Array, fit: Array) -> Planes:
     """Normals of surfaces (N, 7) by their fit (N, 16)."""
-    length = np.linalg.norm(surfaces[:, :3], axis=1, keepdims=True)
-    normal = surfaces[:, :3] / length
+    q = surfaces[:, :3]
+    length = np.linalg.norm(q, axis=1, keepdims=True)
+    normal = q / length
     shift = fit[:, 4:7]
-    turn = (shift - normal * np.sum(normal * shift, axis=1, keepdims=True)) / length
+    along = np.sum(normal * shift, axis=1, keepdims=True)
+    turn = (shift - normal * along) / length
     noise = fit[:, 7:].reshape(-1, 3, 3) / length[:, :, None] ** 2
     return Planes(normal, turn, noise, shift.any(axis=1))
 
@@ -236,7 +222,8 @@ def aligned(found: Offsets, surfaces: Array, fit: Array, label: Numbers) -> Offs
     trace = np.trace(planes.noise, axis1=1, axis2=2)
     width = np.sqrt(trace + variance * np.sum(planes.turn**2, axis=1) + _PLUMB**2)
     size = np.bincount(label[label >= 0], minlength=width.size)
-    for axis in _axes(now, width, np.where(planes.known & (width < _CLEAR), size, -1)):
+    clear = planes.known & (width < _CLEAR)
+    for axis in _axes(now, width, np.where(clear, size, -1)):
         mean, variance = _use_right_angles(planes, mean, variance, axis)
     return found._replace(mean=mean, spread=np.sqrt(variance))
 
@@ -251,11 +238,13 @@ def _axes(normal: Array, width: Array, size: Numbers) -> list[Array]:
     cosine = np.abs(normal @ normal.T)
     apart = 3 * np.hypot(width, width[:, None])
     square = cosine < apart
-    votes = (square | (1 - cosine**2 < apart**2)) @ size - size
+    parallel = 1 - cosine**2 < apart**2
+    votes = (square | parallel) @ size - size
     votes = np.where(clear, votes / (1 + (width / _SHARP) ** 2), 0)
-    one = int(np.argmax(votes))
-    other = int(np.argmax(votes * square[one]))
-    if not votes[other] * square[one, other]:
+    one = votes.argmax()
+    upright = votes * square[one]
+    other = upright.argmax()
+    if not upright[other]:
         return []
     first = normal[one]
     second = normal[other] - first * (normal[other] @ first)
@@ -268,8 +257,10 @@ def _use_right_angles(
 ) -> Arrays:
     """Mean and variance (N,) of offsets by the right angles of planes to an axis."""
     slope = planes.turn @ axis
-    off = (planes.normal + mean[:, None] * planes.turn) @ axis
-    total = planes.noise @ axis @ axis + _PLUMB**2 + slope**2 * variance
+    now = planes.normal + mean[:, None] * planes.turn
+    off = now @ axis
+    total = planes.noise @ axis @ axis + _PLUMB**2
+    total += slope**2 * variance
     likely = np.exp(-(off**2) / total / 2) / np.sqrt(TAU * total)
     use = planes.known & (likely > _UPRIGHT) & (np.abs(mean) < _FARTHEST)
     gain = np.where(use, slope * variance / total, 0)
@@ -284,14 +275,14 @@ def pooled_beats(field: Field, cells: Cells) -> Beats:
     offset along: it is pooled again without the offset that was found.
     """
     turn = -1j * TAU * field.excess
-    found = _beats(field, cells)
+    beat, noise, coherence = _beats(field, cells)
     for _ in range(_AGAIN if cells.rough.any() else 0):
         turned = cells.turned.copy()
-        turned[1] *= np.exp(turn * np.append(found[0], 0)[cells.label])
+        turned[1] *= np.exp(turn * np.append(beat, 0)[cells.label])
         sums = sum_cells(turned, cells.side)
-        again = _beats(field, cells._replace(turned=turned, sums=sums))
-        found = (found[0] + again[0], *again[1:])
-    return found
+        left, noise, coherence = _beats(field, cells._replace(turned=turned, sums=sums))
+        beat = beat + left
+    return beat, noise, coherence
 
 
 def _beats(field: Field, cells: Cells) -> Beats:
@@ -301,7 +292,9 @@ def _beats(field: Field, cells: Cells) -> Beats:
     total, most = pooled_phasors(cells.main, turned, cells.told, cells.rough.size)
     length = np.maximum(np.abs(total), 1e-9)
     wrap = TAU * field.excess
-    beat = np.angle(total[1] * np.conj(total[0] / length[0]) ** multiple) / wrap
+    low, high = total
+    unit = low / length[0]
+    beat = np.angle(high * np.conj(unit) ** multiple) / wrap
     variance = most / length**2
     noise = np.sqrt(variance[1] + multiple**2 * variance[0]) / abs(wrap)
     return beat, noise, (length / most).min(axis=0)
@@ -312,20 +305,27 @@ def _cell_phasors(field: Field, cells: Cells) -> Array:
     sums = cells.sums
     multiple = field.multiple
     if cells.rough.any():  # pixels are turned back by their own departure first
-        off = departure(field, cells.turned, np.append(cells.rough, 0)[cells.label])
-        sums = sum_cells(turned_alike(field, cells.turned, off), cells.side)
-    near = sums
-    reached = cells.told.sum(axis=0)  # six functions miss what these turn back
-    for radius in (1, 2, 4) if cells.side > 1 else ():
-        weak = reached < ENOUGH
-        wider = sum_nearby(np.concatenate([sums, cells.told]), cells.main, radius)
-        near = np.where(weak, wider[:2], near)
-        reached = np.where(weak, wider[2:].real.sum(axis=0), reached)
+        rough = np.append(cells.rough, 0)[cells.label]
+        off = departure(field, cells.turned, rough)
+        turned = turned_alike(field, cells.turned, off)
+        sums = sum_cells(turned, cells.side)
+    near = _with_neighbours(cells, sums) if cells.side > 1 else sums
     low = np.angle(near[0])
     high = np.angle(turned_alike(field, near, low)[1])
-    size = np.abs(near)
-    pull = size[1] * multiple * high / (size[0] + multiple**2 * size[1] + 1e-9)
+    lower, higher = np.abs(near)
+    pull = higher * multiple * high / (lower + multiple**2 * higher + 1e-9)
     return turned_alike(field, sums, low + pull)
+
+
+def _with_neighbours(cells: Cells, sums: Array) -> Array:
+    """Phasors (2, h, w) of cells, with those of neighbours where one knows too little."""
+    both = np.concatenate([sums, cells.told])
+    found = both
+    for radius in (1, 2, 4):  # six functions miss what these turn back
+        told = found[2:].real.sum(axis=0)
+        wider = sum_nearby(both, cells.main, radius)
+        found = np.where(told < ENOUGH, wider, found)
+    return found[:2]
 
 
 def parted(field: Field, inner: Numbers, surfaces: Array) -> tuple[Numbers, Array]:
@@ -334,18 +334,18 @@ def parted(field: Field, inner: Numbers, surfaces: Array) -> tuple[Numbers, Arra
     Two planes at whole wraps of distance have the same phases and grow as one. They are parted if
     that gains more log-likelihood than `_CUT`, and than `_EDGE` for each cell along the border.
     """
-    depth = depth_of_labels(field, inner, surfaces)
-    cells = cells_of_surfaces(field, inner, depth, len(surfaces))
+    cells = cells_of_surfaces(
+        field, inner, depth_of_labels(field, inner, surfaces), len(surfaces)
+    )
     lags = _lags(field, cells)
     main = cells.main
     for _ in range(_CUTS):
         count = len(surfaces)
-        ahead, apart, known = _halves(main, *lags, count)
-        gain = apart**2 / np.sum(1 / known, axis=0) / 2
-        good = gain > np.maximum(_CUT, _EDGE * _borders_of_halves(main, ahead, count))
-        good &= (
-            sum_surfaces(main, np.array([~ahead, ahead]), count).min(axis=0) >= _PART
-        )
+        ahead, apart, gain = _halves(main, *lags, count)
+        border = _borders_of_halves(main, ahead, count)
+        good = gain > np.maximum(_CUT, _EDGE * border)
+        sizes = sum_surfaces(main, np.array([~ahead, ahead]), count)
+        good &= sizes.min(axis=0) >= _PART
         good &= np.abs(apart) > _APART
         good[count] = False  # of cells without a surface
         new = count + np.cumsum(good) - 1
@@ -354,20 +354,24 @@ def parted(field: Field, inner: Numbers, surfaces: Array) -> tuple[Numbers, Arra
     return main, surfaces
 
 
-def _lags(field: Field, cells: Cells) -> tuple[Array, Array]:
+def _lags(field: Field, cells: Cells) -> Arrays:
     """Lag of the beat of each cell (h, w), wraps, and its inverse variance."""
-    told = cells.told
     wrap = TAU * field.excess
     ratio = field.multiple
-    low, high = _cell_phasors(field, cells).imag / np.maximum(told, 1e-6)
-    both = np.maximum(told[0] + ratio**2 * told[1], 1e-9)
-    return (high - ratio * low) / wrap, wrap**2 * told[0] * told[1] / both
+    low, high = _cell_phasors(field, cells).imag / np.maximum(cells.told, 1e-6)
+    lag = (high - ratio * low) / wrap
+    lower, higher = cells.told
+    both = np.maximum(lower + ratio**2 * higher, 1e-9)
+    return lag, wrap**2 * lower * higher / both
 
 
 def _halves(
     main: Numbers, lag: Array, weight: Array, count: int
 ) -> tuple[Flags, Array, Array]:
-    """Cells (h, w) of each surface that lie ahead, by how much (N + 1,), and weights (2, N + 1)."""
+    """Cells (h, w) of each surface that lie ahead, by how much, and the gain in log-likelihood.
+
+    The last two (N + 1,) are also those of cells without a surface.
+    """
     summed = partial(sum_surfaces, main, count=count)
     middle = (summed(weight * lag) / np.maximum(summed(weight), 1e-9))[main]
     turn = 1.0
@@ -378,7 +382,8 @@ def _halves(
         rest, part = summed(weight * lag * sides) / known
         middle = ((part + rest) / 2)[main]
         turn = (part - rest)[main]
-    return ahead, part - rest, known
+    apart = part - rest
+    return ahead, apart, apart**2 / np.sum(1 / known, axis=0) / 2
 
 
 def _borders_of_halves(main: Numbers, ahead: Flags, count: int) -> Array:
@@ -386,6 +391,6 @@ def _borders_of_halves(main: Numbers, ahead: Flags, count: int) -> Array:
     border = np.zeros(count + 1)
     for axis in (0, 1):
         here = np.delete(main, 0, axis)
-        inside = here == np.delete(main, -1, axis)
+        inside = np.diff(main, axis=axis) == 0
         border += sum_surfaces(here, inside & np.diff(ahead, axis=axis), count)
     return border

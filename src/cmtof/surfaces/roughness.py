@@ -31,7 +31,7 @@ class Cells(NamedTuple):
     @property
     def side(self) -> int:
         """Side of a cell, px."""
-        return self.label.shape[0] // self.main.shape[0]
+        return len(self.label) // len(self.main)
 
 
 def cells_of_surfaces(
@@ -41,31 +41,40 @@ def cells_of_surfaces(
     main = _middles(inner, side)
     whole = pixels_of_cells(main, side)
     chosen = (whole == inner) & (inner >= 0)
+    label = np.where(chosen, inner, -1)
     turned = np.where(chosen, turned_back(field, np.nan_to_num(depth)), 0)
-    told = sum_cells(np.where(chosen, field.information, 0).astype(float), side)
+    information = np.where(chosen, field.information, 0)
+    told = sum_cells(information.astype(float), side)
     sums = sum_cells(turned, side)
     rough = roughness(main, sums, told, count)
-    return Cells(main, np.where(chosen, inner, -1), turned, sums, told, rough)
+    return Cells(main, label, turned, sums, told, rough)
 
 
 def _middles(labels: Numbers, side: int) -> Numbers:
     """Label in the middle of each cell (h, w): of the four pixels there, as in a mirror."""
-    height, width = labels.shape
-    blocks = labels.reshape(height // side, side, width // side, side)
     middle = slice((side - 1) // 2, side // 2 + 1)
-    return blocks[:, middle, :, middle].max(axis=(1, 3)).astype(int)
+    four = _blocks(labels, side)[:, middle, :, middle]
+    return four.max(axis=(1, 3)).astype(int)
+
+
+def _blocks(images: Array, side: int) -> Array:
+    """Images (..., H, W) as the pixels of their cells (..., h, side, w, side)."""
+    *others, height, width = images.shape
+    rows = height // side
+    columns = width // side
+    return images.reshape(*others, rows, side, columns, side)
 
 
 def turned_back(field: Field, depth: Array) -> Array:
     """Phasors (2, H, W) turned back by a depth (H, W), m."""
     phasors = field.real + 1j * field.imaginary
-    return phasors * np.exp(-1j * field.wavenumber[:, None, None] * depth)
+    wavenumber = field.wavenumber[:, None, None]
+    return phasors * np.exp(-1j * wavenumber * depth)
 
 
 def sum_cells(images: Array, side: int = CELL) -> Array:
     """Sums of images (2, H, W) over cells."""
-    _, height, width = images.shape
-    return images.reshape(2, height // side, side, width // side, side).sum(axis=(2, 4))
+    return _blocks(images, side).sum(axis=(2, 4))
 
 
 def roughness(owner: Numbers, sums: Array, told: Array, count: int) -> Array:
@@ -75,9 +84,14 @@ def roughness(owner: Numbers, sums: Array, told: Array, count: int) -> Array:
     power of this. Pixels of other surfaces cost both alike: then there is none.
     """
     total, most = pooled_phasors(owner, sums, told, count)
-    low, high = np.clip(np.hypot(total.real, total.imag) / most, 0.05, 1)
-    found = np.minimum(-2 * np.log(low), -np.log(high) / 2)
-    return np.where((high - low**4 > _ALIKE) | (found < _EVEN), 0, found)
+    coherence = np.hypot(total.real, total.imag) / most
+    low, high = np.clip(coherence, 0.05, 1)
+    by_low = -2 * np.log(low)
+    by_high = -np.log(high) / 2
+    found = np.minimum(by_low, by_high)
+    alike = high - low**4 > _ALIKE
+    even = found < _EVEN
+    return np.where(alike | even, 0, found)
 
 
 def pooled_phasors(main: Numbers, phasors: Array, told: Array, count: int) -> Arrays:
@@ -89,7 +103,8 @@ def pooled_phasors(main: Numbers, phasors: Array, told: Array, count: int) -> Ar
 
 def sum_surfaces(main: Numbers, images: Array, count: int) -> Array:
     """Sums (..., N + 1) of images (..., h, w) over the cells of each surface, then of none."""
-    out = np.zeros((*images.shape[:-2], count + 1), np.result_type(images, float))
+    shape = (*images.shape[:-2], count + 1)
+    out = np.zeros(shape, np.result_type(images, float))
     np.add.at(out, (..., main), images)
     return out
 
@@ -99,12 +114,14 @@ def sum_nearby(images: Array, main: Numbers, radius: int) -> Array:
     height, width = main.shape
     side = 2 * radius + 1
     edges = [(radius, radius)] * 2
-    padded = np.pad(images, [(0, 0)] * (images.ndim - 2) + edges)
+    others = [(0, 0)] * (images.ndim - 2)
+    padded = np.pad(images, others + edges)
     owner = np.pad(main, radius, constant_values=-2)
     out = np.zeros_like(images)
     for y, x in np.ndindex(side, side):
         place = np.s_[..., y : y + height, x : x + width]
-        out += np.where(owner[place] == main, padded[place], 0)
+        same = owner[place] == main
+        out += np.where(same, padded[place], 0)
     return out
 
 
@@ -115,7 +132,8 @@ def departure(field: Field, turned: Array, variance: Array) -> Array:
     moves both frequencies alike.
     """
     multiple = field.multiple
-    known = variance * (field.information[0] + multiple**2 * field.information[1])
+    lower, higher = field.information
+    known = variance * (lower + multiple**2 * higher)
     across = gaussian_filter(turned[0].imag, _NEAR)
     along = gaussian_filter(turned[0].real, _NEAR)
     out = known / (1 + known) * np.arctan2(across, along)
@@ -128,4 +146,5 @@ def departure(field: Field, turned: Array, variance: Array) -> Array:
 
 def turned_alike(field: Field, phasors: Array, departure: Array) -> Array:
     """Phasors (2, ...) turned back by a phase (...), rad at the lower frequency, of both alike."""
-    return phasors * np.exp(-1j * np.multiply.outer((1, field.multiple), departure))
+    angle = np.multiply.outer((1, field.multiple), departure)
+    return phasors * np.exp(-1j * angle)

@@ -5,6 +5,7 @@ Within a window a plane's phases are ramps, so both spectra peak: at a slope nu,
 """
 
 import numpy as np
+from numpy.lib.stride_tricks import sliding_window_view
 from scipy.fft import fft, fftfreq, next_fast_len
 
 from cmtof.compiled import njit
@@ -16,7 +17,12 @@ from cmtof.types import Array, Flags, Numbers
 
 # Side of a window, distance to the next, side of the core whose spectrum is taken, all px, and how
 # many times its bins are refined. Large ones come first: what is large should stay in one piece.
-WINDOWS = ((64, 32, 32, 3), (32, 16, 16, 4), (16, 8, 12, 4), (12, 4, 8, 5))
+WINDOWS = (
+    (64, 32, 32, 3),
+    (32, 16, 16, 4),
+    (16, 8, 12, 4),
+    (12, 4, 8, 5),
+)
 _LEAST = 150.0  # information E below which a window starts nothing: its noise would fit as well
 FREE = 0.7  # share of the cells of a window that must be without a surface
 _ALIASES = 2  # whole turns per pixel tried to each side
@@ -29,54 +35,67 @@ def windows(
 ) -> tuple:
     """Top, left, side (N,) of windows on free cells, the clearest first, and slopes, rad/px."""
     height, width = np.array(field.cosine.shape) - side + 1
-    top, left = np.mgrid[:height:stride, :width:stride].reshape(2, -1)
-    inside = _sums(field.information.sum(axis=0, dtype=float), top, left, side)
-    open_cells = _sums(free.astype(float), top // CELL, left // CELL, side // CELL)
-    order = np.argsort(-inside, kind="stable")
-    order = order[
-        (inside[order] >= _LEAST) & (open_cells[order] >= FREE * (side // CELL) ** 2)
-    ]
-    corner = np.array([top[order], left[order]]) + (side - core) // 2
-    slopes = spectral_slopes(field, *corner, core, finer)
-    return top[order], left[order], np.full(order.size, side), *slopes
+    corner = np.mgrid[:height:stride, :width:stride].reshape(2, -1)
+    clearest = _clearest(field, free, corner, side)
+    corner = corner.take(clearest, axis=1)
+    margin = (side - core) // 2
+    slopes = spectral_slopes(field, *(corner + margin), core, finer)
+    sides = np.full_like(corner[0], side)
+    return *corner, sides, *slopes
 
 
-def _sums(image: Array, top: Numbers, left: Numbers, side: int) -> Array:
-    """Sum (N,) of an image (H, W) over squares."""
-    total = np.pad(image.cumsum(axis=0).cumsum(axis=1), ((1, 0), (1, 0)))
-    bottom = top + side
-    edge = left + side
-    return (
-        total[bottom, edge] - total[top, edge] - total[bottom, left] + total[top, left]
-    )
+def _clearest(field: Field, free: Flags, corner: Numbers, side: int) -> Numbers:
+    """Numbers of the windows on free cells with enough information, most of it first."""
+    information = field.information.sum(axis=0, dtype=float)
+    told = _sums(information, corner, side)
+    cells = side // CELL
+    open_cells = _sums(free.astype(float), corner // CELL, cells)
+    least = FREE * cells**2
+    enough = (told >= _LEAST) & (open_cells >= least)
+    order = np.argsort(-told, kind="stable")
+    return order[enough[order]]
+
+
+def _sums(image: Array, corner: Numbers, side: int) -> Array:
+    """Sum (N,) of an image (H, W) over squares, by their top and left (2, N)."""
+    total = image.cumsum(axis=0).cumsum(axis=1)
+    total = np.pad(total, (1, 0))
+    top, left = corner
+    bottom, right = corner + side
+    whole = total[bottom, right]
+    above = total[top, right]
+    beside = total[bottom, left]
+    return whole - above - beside + total[top, left]
 
 
 def spectral_slopes(
     field: Field, top: Numbers, left: Numbers, side: int, finer: int
 ) -> Array:
     """Slopes (2, N) down and right, rad/px, at the joint peak of both spectra of each square."""
-    size = int(next_fast_len(finer * side) or 1)
+    size = next_fast_len(finer * side)
     slopes = np.empty((2, top.size))
     phasors = (field.real + 1j * field.imaginary).astype(np.complex64)
-    squares = np.lib.stride_tricks.sliding_window_view(
-        phasors, (side, side), axis=(1, 2)
-    )
+    squares = sliding_window_view(phasors, (side, side), axis=(1, 2))
     batch = max(1, 2**19 // size**2)  # spectra that stay in the cache
     for start in range(0, top.size, batch):
         some = slice(start, start + batch)
-        slopes[:, some] = _peaks(squares[:, top[some], left[some]], size, field.ratio)
+        part = squares[:, top[some], left[some]]
+        slopes[:, some] = _peaks(part, size, field.ratio)
     return slopes
 
 
 def _peaks(squares: Array, size: int, ratio: float) -> Array:
     """Slopes (2, N), rad/px, at the joint peaks of spectra of that size of squares (2, N, h, h)."""
     whole = np.rint(fftfreq(size) * size)
-    higher = np.rint(ratio * whole).astype(int) % size
+    higher = np.rint(ratio * whole).astype(int)
+    higher %= size
     rows = fft(squares, size)  # before rows of zeros are added
-    spectrum = np.asarray(fft(rows, size, axis=-2))
-    power = spectrum.real**2 + spectrum.imag**2
-    joint = power[0] + power[1][:, higher[:, None], higher]
-    peak = np.array(np.divmod(joint.reshape(len(joint), -1).argmax(axis=1), size))
+    spectrum = fft(rows, size, axis=-2)
+    low, high = spectrum.real**2 + spectrum.imag**2
+    moved = high[:, higher[:, None], higher]
+    joint = low + moved
+    best = joint.reshape(-1, size**2).argmax(axis=1)
+    peak = np.array(np.divmod(best, size))
     return TAU * whole[peak] / size
 
 
@@ -90,14 +109,14 @@ def plane_in_window(field, window, information):  # pragma: no cover - compiled
     for _ in range(_CANDIDATES):
         alias = divmod(np.argmax(size), size.shape[1])
         size[alias] = -1
-        slope = (
-            window[3] + TAU * (alias[0] - _ALIASES),
-            window[4] + TAU * (alias[1] - _ALIASES),
-        )
-        if max(abs(slope[0]), abs(slope[1])) > TAU * _STEEPEST:
+        down = window[3] + TAU * (alias[0] - _ALIASES)
+        right = window[4] + TAU * (alias[1] - _ALIASES)
+        if max(abs(down), abs(right)) > TAU * _STEEPEST:
             continue
         z = _depth_of_beat(field, np.angle(beats[alias]), phase)
-        fit, there = _climb_outwards(field, _plane(field, window, z, slope), window)
+        fit, there = _climb_outwards(
+            field, _plane(field, window, z, down, right), window
+        )
         if there and fit.likelihood > best:
             best = fit.likelihood
             plane = fit.q
@@ -107,15 +126,18 @@ def plane_in_window(field, window, information):  # pragma: no cover - compiled
 @njit()
 def _depth_of_beat(field, beat, phase):  # pragma: no cover - compiled
     """Depth, m, with that phase nearest to that of a beat, both rad, within the limits."""
-    k = field.wavenumber
+    low, high = field.wavenumber
+    period = field.period
     nearest, farthest = field.limits
-    synthetic = k[1] - np.rint(k[1] / k[0]) * k[0]
+    synthetic = high - np.rint(high / low) * low
     repeat = TAU / abs(synthetic)
     z = nearest + (beat / synthetic - nearest) % repeat
     if z > farthest:
-        z = farthest if z - farthest < nearest - (z - repeat) else nearest
-    here = phase / k[0]
-    return max(here + field.period * np.rint((z - here) / field.period), field.period)
+        before = z - repeat
+        z = farthest if z - farthest < nearest - before else nearest
+    here = phase / low
+    whole = np.rint((z - here) / period)
+    return max(here + period * whole, period)
 
 
 @njit()
@@ -126,12 +148,15 @@ def _beats(field, window, information):  # pragma: no cover - compiled
     sums = _blocks(field, window, count)
     ratio = field.wavenumber[1] / field.wavenumber[0]
     multiple = np.rint(ratio)
-    unit = sums[0] / np.maximum(np.abs(sums[0]), 1e-9)
+    low = sums[0]
+    unit = low / np.maximum(np.abs(low), 1e-9)
     beats = sums[1] * np.conj(unit**multiple)
     # a whole turn of the lower phase marks the higher one by this
-    aliased = _sums_of_aliases(beats, (ratio - multiple) * TAU, side)
-    middle = slice(count // 2 - 1, count // 2 + 1)
-    return aliased, np.angle(np.sum(sums[0, middle, middle]))
+    excess = (ratio - multiple) * TAU
+    half = count // 2
+    middle = slice(half - 1, half + 1)
+    phase = np.angle(np.sum(low[middle, middle]))
+    return _sums_of_aliases(beats, excess, side), phase
 
 
 @njit()
@@ -140,13 +165,13 @@ def _sums_of_aliases(beats, excess, side):  # pragma: no cover - compiled
     aliases = np.arange(-_ALIASES, _ALIASES + 1)
     out = np.zeros((aliases.size, aliases.size), np.complex128)
     block = side // len(beats)
-    for i, j in np.ndindex(beats.shape):
-        y = (i + 0.5) * block - 0.5 - side // 2
-        x = (j + 0.5) * block - 0.5 - side // 2
+    for place, beat in np.ndenumerate(beats):
+        y = (place[0] + 0.5) * block - 0.5 - side // 2
+        x = (place[1] + 0.5) * block - 0.5 - side // 2
         for a, down in enumerate(aliases):
             for b, right in enumerate(aliases):
                 turn = excess * (down * y + right * x)
-                out[a, b] += beats[i, j] * np.exp(-1j * turn)
+                out[a, b] += beat * np.exp(-1j * turn)
     return out
 
 
@@ -154,11 +179,13 @@ def _sums_of_aliases(beats, excess, side):  # pragma: no cover - compiled
 def _blocks(field, window, count):  # pragma: no cover - compiled
     """Sums of both phasors over count x count blocks of a window, turned back by its slope."""
     top, left, side, down, right = window
+    rows = slice(top, top + side)
+    columns = slice(left, left + side)
     sums = np.zeros((2, count, count), np.complex128)
     for f in range(2):
         ratio = field.wavenumber[f] / field.wavenumber[0]
-        real = field.real[f, top : top + side, left : left + side]
-        imaginary = field.imaginary[f, top : top + side, left : left + side]
+        real = field.real[f, rows, columns]
+        imaginary = field.imaginary[f, rows, columns]
         _add_blocks(sums[f], real, imaginary, ratio * down, ratio * right)
     return sums
 
@@ -172,28 +199,30 @@ def _add_blocks(sums, real, imaginary, down, right):  # pragma: no cover - compi
     for y in range(side):
         turn = np.exp(-1j * down * (y - side // 2))
         for j in range(len(sums)):
+            start = j * block
             part = 0j
-            for x in range(j * block, j * block + block):
-                part += complex(real[y, x], imaginary[y, x]) * across[x]
+            for x in range(start, start + block):
+                phasor = complex(real[y, x], imaginary[y, x])
+                part += phasor * across[x]
             sums[y // block, j] += part * turn
 
 
 @njit()
-def _plane(field, window, z, slope):  # pragma: no cover - compiled
+def _plane(field, window, z, down, right):  # pragma: no cover - compiled
     """The plane through a depth in the middle of a window with slopes, rad/px, of its phase."""
     row = window[0] + window[2] // 2
     column = window[1] + window[2] // 2
-    u = field.u[column : column + 2]
-    v = field.v[row : row + 2]
-    cosine = field.cosine[row : row + 2, column : column + 2]
+    u = field.u[column]
+    v = field.v[row]
     fall = 1 / (field.wavenumber[0] * z * z)  # of 1 / z per radian
-    here = 1 / z / cosine[0, 0]
-    below = (1 / z - fall * slope[0]) / cosine[1, 0]
-    beside = (1 / z - fall * slope[1]) / cosine[0, 1]
+    cosine = field.cosine
+    here = 1 / z / cosine[row, column]
+    below = (1 / z - fall * down) / cosine[row + 1, column]
+    beside = (1 / z - fall * right) / cosine[row, column + 1]
     q = np.zeros(BENT)
-    q[0] = (beside - here) / (u[1] - u[0])
-    q[1] = (below - here) / (v[1] - v[0])
-    q[2] = here - q[0] * u[0] - q[1] * v[0]
+    q[0] = (beside - here) / (field.u[column + 1] - u)
+    q[1] = (below - here) / (field.v[row + 1] - v)
+    q[2] = here - q[0] * u - q[1] * v
     return q
 
 
@@ -207,14 +236,15 @@ def _climb_outwards(field, q, window):  # pragma: no cover - compiled
     core = 6
     while True:
         core = min(core, side)
+        there = core == side
         y = top + (side - core) // 2
         x = left + (side - core) // 2
         told = np.sum(field.information[0, y : y + core, x : x + core])
-        if core == side or told > 100:
-            region = region_of_boxes(np.array([[y, y + core, x, x + core]]))
-            steps = 2 if core < side else 3
-            fit = refine(field, region, q, PLANE, steps, np.int64(0))
-            if core == side or fit.likelihood < 0.4 * fit.most:
-                return fit, core == side
+        if there or told > 100:
+            box = np.array([[y, y + core, x, x + core]])
+            steps = 3 if there else 2
+            fit = refine(field, region_of_boxes(box), q, PLANE, steps, np.int64(0))
+            if there or fit.likelihood < 0.4 * fit.most:
+                return fit, there
             q = fit.q
         core = int(core * 1.5)
