@@ -75,9 +75,7 @@ def test_the_corner_with_noise_beats_the_random_field(corner):
 
 def test_a_wide_plane_is_right_in_the_papers_noise():
     """Its pooled phase is known to 1 mrad, so that only pixels at a boundary can be off."""
-    ahead, steep = (
-        plane_frame(normal, 2.5, 0.6) for normal in ((0, 0, 1), (-0.1, 0.6, 1))
-    )
+    ahead, steep = (plane_frame(normal, 0.6) for normal in ((0, 0, 1), (-0.1, 0.6, 1)))
     # straight ahead also through a lens other than the one that is assumed
     for frame in (ahead, steep, Frame(ahead.depth, np.ones(SHAPE))):
         assert right(simulate(frame, protocol="full", seed=1), within=2) > 0.99
@@ -125,7 +123,7 @@ def test_components_are_bodies_whose_surfaces_meet(clean_corner):
 @mark.parametrize("kind", ["waves", "rough"])
 def test_uneven_walls_keep_their_wraps(kind, rng):
     """Waves of 0.1 wraps over 24 px, or 0.12 wraps (rms) a pixel; unevenness is followed too."""
-    wall = plane_frame((-0.1, 0.6, 1), 2.5, 0.6)
+    wall = plane_frame((-0.1, 0.6, 1), 0.6)
     rows, columns = np.indices(SHAPE)
     waves = 0.1 * np.sin(2 * np.pi / 24 * (columns + 0.5 * rows))
     uneven = waves if kind == "waves" else 0.12 * rng.normal(size=SHAPE)
@@ -174,7 +172,7 @@ def test_images_whose_surfaces_lie_outside_the_mask_are_unwrapped():
     """A wall that is masked beside dark pixels that are not."""
     mask = np.broadcast_to(np.arange(SHAPE[1]) < 16, SHAPE)
     m = simulate(
-        plane_frame((0, 0, 1), 2.5, np.where(mask, 0.0, 1.0)), protocol="full", seed=0
+        plane_frame((0, 0, 1), np.where(mask, 0.0, 1.0)), protocol="full", seed=0
     )
     count, depth, confidence = unwrapped(
         Measurement(m.dataset.assign(mask=(("y", "x"), mask)))
