@@ -5,6 +5,7 @@ from numpy.testing import assert_allclose
 from pytest import approx, mark
 from scipy.ndimage import uniform_filter
 from scipy.stats import norm
+from scores import scores
 
 import cmtof
 from cmtof import bounds
@@ -13,17 +14,10 @@ from cmtof.classical.beat import guided_filter
 from cmtof.classical.kde import _densest, hypotheses
 from cmtof.constants import FREQUENCIES
 from cmtof.correlation import TAU, phase_from_depth, wrap_length
-from cmtof.evaluation import score, scored_pixels
 from cmtof.frame import Frame
 from cmtof.simulation import simulate
 
 WRAP = wrap_length(FREQUENCIES[0])
-
-
-def rate(measurement, **method):
-    """Share of pixels with the right wrap."""
-    result = cmtof.unwrap(measurement, **method)
-    return score(scored_pixels(result, measurement))["delta_lt_1"]
 
 
 EXACT = ["crt", "crt-ml", "crt-closed-form", "beat", "beat-guided", "kde", "kde-tuned"]
@@ -38,7 +32,8 @@ def test_walls_of_one_depth_are_exact(exact, method):
 
 def test_averages_divide_the_noise_by_the_side_of_the_window(flat_wall):
     m = simulate(flat_wall(120, 1.0, 0.8), seed=2)
-    rates = [rate(m, method="beat", window=window) for window in (1, 11, 41)]
+    found = [scores(m, method="beat", window=window) for window in (1, 11, 41)]
+    rates = [one["delta_lt_1"] for one in found]
     assert rates[0] < rates[1] < rates[2]
     noise = bounds.simulated_phase_noise(0.8) / 41
     odds = bounds.wrap_probability(noise, noise, frequencies=FREQUENCIES)
@@ -120,8 +115,8 @@ def test_walls_with_a_step_of_phase_are_two_regions(exact, jump):
 def test_a_region_that_leaks_pull_by_a_wrap_is_not_sure(name, options):
     """Up to 61 % of a frame are off by one wrap together."""
     m = simulate(cmtof.load_frame(name), **options)
-    sure = cmtof.unwrap(m, method="region").confidence.where(m.mask).mean()
-    assert sure < rate(m, method="region") + 0.15
+    found = scores(m, method="region")
+    assert found["mean_confidence"] < found["delta_lt_1"] + 0.15
 
 
 def test_pooled_noise_is_that_of_the_sum(rng):
