@@ -31,8 +31,8 @@ def official_rays(projection):
 
 def wall(projection):
     """Range of a slanted plane, 2 m away."""
-    normal = np.array([0.3, -0.2, 1.0]) / np.linalg.norm([0.3, -0.2, 1.0])
-    return -2.0 / (official_rays(projection) @ normal)
+    normal = np.array([0.3, -0.2, 1.0])
+    return -2.0 * np.linalg.norm(normal) / (official_rays(projection) @ normal)
 
 
 def write_official(path, array):

@@ -3,6 +3,7 @@
 import numpy as np
 from numpy.testing import assert_allclose
 from pytest import approx, mark
+from scores import scores
 
 import cmtof
 from cmtof import bounds
@@ -10,7 +11,6 @@ from cmtof.classical import crt
 from cmtof.classical.phasor import match, phasor
 from cmtof.constants import FREQUENCIES
 from cmtof.correlation import TAU, phase_from_depth, wrap_length
-from cmtof.evaluation import score, scored_pixels
 from cmtof.frame import Frame
 from cmtof.measurement import Measurement
 from cmtof.simulation import simulate
@@ -53,12 +53,12 @@ def test_closed_form_survives_errors_up_to_its_bound(rng, offset):
 def test_single_pixels_are_right_as_often_as_theory_predicts(flat_wall, method, pair):
     """To four standard deviations of 250 000 pixels; the confidence predicts the same."""
     m = simulate(flat_wall(500, 4.0), protocol="full", frequencies=pair, seed=11)
-    result = cmtof.unwrap(m, method=method)
-    rate = score(scored_pixels(result, m))["consistent_lt_1"]
+    found = scores(m, method=method)
     noise = bounds.simulated_phase_noise(1.0)
     theory = bounds.wrap_probability_law(noise, noise, frequencies=pair)
-    assert rate == approx(theory, abs=4 * np.sqrt(theory / m.mask.size))
-    assert result.confidence.mean() == approx(theory, rel=0.15)
+    four_errors = 4 * np.sqrt(theory / m.mask.size)
+    assert found["consistent_lt_1"] == approx(theory, abs=four_errors)
+    assert found["mean_confidence"] == approx(theory, rel=0.15)
 
 
 def test_look_up_is_exact_over_fifteen_metres_and_no_entry_is_nearer(exact, rng):

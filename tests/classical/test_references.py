@@ -3,6 +3,7 @@
 import numpy as np
 from numpy.testing import assert_array_equal
 from pytest import approx, fixture, mark
+from scores import scores
 
 import cmtof
 from cmtof import bounds
@@ -10,7 +11,6 @@ from cmtof.classical import references, trivial
 from cmtof.classical.references import bodies, surfaces
 from cmtof.constants import FREQUENCIES
 from cmtof.correlation import TAU, wrap_length
-from cmtof.evaluation import score, scored_pixels
 from cmtof.frame import Frame
 from cmtof.hardness import bends
 from cmtof.simulation import simulate
@@ -74,10 +74,9 @@ def test_contact_carries_an_offset_across_a_crease():
 def test_wider_windows_are_right_more_often(flat_wall):
     m = simulate(flat_wall(90, 3.0), protocol="full", seed=3)
     found = [
-        cmtof.unwrap(m, method="reference-field", side=side)
-        for side in (1, 11, 41, 181)
+        scores(m, method="reference-field", side=side) for side in (1, 11, 41, 181)
     ]
-    rates = [score(scored_pixels(one, m))["delta_lt_2"] for one in found]
+    rates = [one["delta_lt_2"] for one in found]
     assert rates == sorted(rates)
     assert rates[-1] == 1.0
 
@@ -97,18 +96,14 @@ def even():
     return simulate(Frame(depth, np.ones(depth.shape)), seed=1)
 
 
-def scores_of(m, method):
-    return score(scored_pixels(cmtof.unwrap(m, method=method), m))
-
-
 def test_a_random_wrap_is_right_once_and_the_middle_within_two_five_times_in_21(even):
-    assert scores_of(even, "uniform")["delta_lt_1"] == approx(1 / 21, abs=0.005)
-    assert scores_of(even, "middle")["delta_lt_3"] == approx(5 / 21, abs=0.01)
+    assert scores(even, method="uniform")["delta_lt_1"] == approx(1 / 21, abs=0.005)
+    assert scores(even, method="middle")["delta_lt_3"] == approx(5 / 21, abs=0.01)
 
 
 def test_the_mode_is_right_as_often_as_its_share(even):
     share = trivial.mode(even).confidence[0, 0]
-    assert scores_of(even, "mode")["delta_lt_1"] == approx(share, abs=1e-3)
+    assert scores(even, method="mode")["delta_lt_1"] == approx(share, abs=1e-3)
 
 
 def test_every_frame_has_random_wraps_of_its_own(even):

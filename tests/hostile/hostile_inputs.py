@@ -172,9 +172,8 @@ def measurement(rng):
         writers = [netcdf] * 4 + [plain_arrays]
     else:
         data = foreign(rng, whole_measurement())
-        writers = (
-            [netcdf] * 4 + [netcdf_3, plain_hdf5] + [partial(reaching_out, rng)] * 2
-        )
+        writers = [netcdf] * 4 + [netcdf_3, plain_hdf5]
+        writers += [partial(reaching_out, rng)] * 2
     write = rng.choice(writers)
     name = "m.npz" if write is plain_arrays else "m.nc"
     files = {name: perhaps_damaged(rng, write(data), 0.4), "pipe.nc": None}
@@ -251,16 +250,10 @@ def rig(rng):
         "phases": 16,
         "field_of_view_deg": [9, 9],
         "twin": {"scene": {"kind": "plane"}},
+        "rate": 24000.0,
     }
-    known["rate"] = 24000.0
-    return {"rig.yml": document(rng, known)}, [
-        "scan",
-        "rig.yml",
-        "-o",
-        "out.nc",
-        "--size",
-        "2",
-    ]
+    files = {"rig.yml": document(rng, known)}
+    return files, ["scan", "rig.yml", "-o", "out.nc", "--size", "2"]
 
 
 def journal(rng):
@@ -303,14 +296,8 @@ def configuration(rng):
         "name": "n",
     }
     known |= {"stages": [stage], "precision": "bf16-mixed", "save_every": 10}
-    return {"c.yml": document(rng, known)}, [
-        "train",
-        "c.yml",
-        "-o",
-        "run",
-        "--data",
-        "none",
-    ]
+    files = {"c.yml": document(rng, known)}
+    return files, ["train", "c.yml", "-o", "run", "--data", "none"]
 
 
 COMMANDS = """\

@@ -23,9 +23,9 @@ def flat(distance=1.0, reflectance=0.5, cosine=1.0, shape=(24, 24), mirrored=0.0
     )
 
 
-def bias(camera, view, field=None):
+def bias(camera, view, field):
     """Range error (H, W), m, of images without noise."""
-    light = camera.light(view, view if field is None else field)
+    light = camera.light(view, field)
     images = camera.differences(light)
     return camera.error(camera.depth(images)[0], view.range)
 

@@ -17,14 +17,15 @@ from cmtof_lab.targets import MeshTarget
 WRAPS = wrap_length(FREQUENCY_SINGLE) * np.array(RELEASED_WRAPS)
 
 
-def unit_rays(size, focal):
-    middle = size / 2
-    rays = rays_from_camera((size, size), [focal, focal, middle, middle])
+def unit_rays(view):
+    """Rays (96, 96, 3) over a field of view, rad."""
+    focal = 48 / np.tan(view / 2)
+    rays = rays_from_camera((96, 96), [focal, focal, 48, 48])
     return rays / np.linalg.norm(rays, axis=-1, keepdims=True)
 
 
-def looked_at(name, size=96):
-    rays = unit_rays(size, size / 2 / np.tan(objects.FIELD_OF_VIEW[name] / 2))
+def looked_at(name):
+    rays = unit_rays(objects.FIELD_OF_VIEW[name])
     return rays, MeshTarget.from_mesh(object_mesh(name)).look(rays)
 
 
@@ -46,16 +47,15 @@ def test_still_lifes_stand_on_a_table_and_differ():
     (first, view), (same, _), (other, _) = drawn
     assert np.array_equal(first.vertices, same.vertices)
     assert np.abs(first.vertices - other.vertices).max() > 0.01
-    rays = unit_rays(96, 48 / np.tan(view / 2))
+    rays = unit_rays(view)
     hits = MeshTarget.from_mesh(first).look(rays)
     low, high = WRAPS
     assert np.mean((low < hits.range) & (hits.range < high)) > 0.7
 
 
 def test_materials_are_those_of_the_paper():
-    bust, helmet, owl, table = (
-        looked_at(name)[1] for name in ("bust", "helmet", "owl", "table")
-    )
+    shown = ("bust", "helmet", "owl", "table")
+    bust, helmet, owl, table = (looked_at(name)[1] for name in shown)
     assert np.median(bust.reflectance[bust.range < 1.0]) == approx(0.8)
     assert np.mean(helmet.mirrored > 0.9) > 0.2
     feathers = owl.reflectance[owl.range < 1.0]

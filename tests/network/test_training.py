@@ -1,6 +1,7 @@
 """Training: configurations, the same bits after a kill, learning, fine-tuning."""
 
 import json
+from copy import deepcopy
 from pathlib import Path
 
 import numpy as np
@@ -39,13 +40,8 @@ def test_presets_are_configurations(name):
 
 
 def test_stages_follow_each_other(config):
-    assert [config.stage_at(step)[0].name for step in range(5)] == [
-        "a",
-        "a",
-        "a",
-        "b",
-        "b",
-    ]
+    names = [config.stage_at(step)[0].name for step in range(5)]
+    assert names == list("aaabb")
     assert config.rate_at(0) == approx(1e-3)  # half of the way up
     assert config.rate_at(1) == approx(2e-3 - 1e-3 / 3)
 
@@ -59,15 +55,10 @@ def test_stages_follow_each_other(config):
         ({}, {"rooms": 1, "crop": 600}, "Expected crops within rooms of 512 px"),
     ],
 )
-def test_bad_configurations_are_refused_in_one_line(tmp_path, changes, stage, message):
-    usual = {
-        "name": "a",
-        "crops": 4,
-        "crop": 32,
-        "batch": 2,
-        "noise": [9, 9],
-        "rate": [9, 9],
-    }
+def test_bad_configurations_are_refused_in_one_line(
+    tmp_path, config, changes, stage, message
+):
+    usual = config.stages[0].model_dump()
     path = tmp_path / "own.yml"
     path.write_text(json.dumps({"stages": [usual | stage]} | changes))
     with raises(ValueError, match=message) as caught:
@@ -114,9 +105,8 @@ def test_training_goes_on_from_given_weights(config, stored):
 def test_weight_of_the_depth_is_that_of_the_configuration(config):
     assert unwrapping(config).network.model.depth_weight == 0.1
     changed = unwrapping(config.model_copy(update={"depth_weight": 0.0}))
-    assert (
-        changed.network.model.depth_weight == changed.average.model.depth_weight == 0.0
-    )
+    for network in (changed.network, changed.average):
+        assert network.model.depth_weight == 0.0
 
 
 def test_device_that_is_not_there_is_refused(tmp_path, config):
@@ -165,20 +155,17 @@ def example(measurement):
 
 def test_fine_tuning_lowers_the_loss_and_leaves_the_rest(stored, example):
     trained = load_weights(stored())
-    before = {
-        name: tensor.clone() for name, tensor in trained.network.state_dict().items()
-    }
-    tuned, losses = fine_tune(
-        trained, [example], steps=12, learning_rate=2e-3, crop=32, seed=1
-    )
+    before = deepcopy(trained.network.state_dict())
+    how = {"steps": 12, "learning_rate": 2e-3, "crop": 32, "seed": 1}
+    tuned, losses = fine_tune(trained, [example], **how)
     assert np.mean(losses[-3:]) < np.mean(losses[:3])
     after = tuned.network.state_dict()
     for name, tensor in trained.network.state_dict().items():
         assert torch.equal(tensor, before[name])
         assert "running" not in name or torch.equal(tensor, after[name])
     assert tuned.card.fine_tuned["steps"] == 12
-    again = fine_tune(trained, [example], steps=12, learning_rate=2e-3, crop=32, seed=1)
-    assert again[1] == losses
+    _, again = fine_tune(trained, [example], **how)
+    assert again == losses
 
 
 def test_crops_of_fine_tuning_move_over_the_classes(stored, stepped_wall):
@@ -198,9 +185,9 @@ def test_crops_of_fine_tuning_move_over_the_classes(stored, stepped_wall):
 
 def test_unlabelled_pixels_teach_nothing(stored, example):
     trained = load_weights(stored())
-    (measurement, wraps, depth) = example
+    measurement, wraps, depth = example
     half = np.where(np.arange(56) < 28, wraps, -1)
-    moved = np.where(half < 0, depth + 1, depth)
+    moved = depth + (half < 0)
     first, second = (
         fine_tune(trained, [(measurement, half, z)], steps=2)[1] for z in (depth, moved)
     )

@@ -16,12 +16,15 @@ from cmtof.surfaces.shapes import BENT, moved
 SHAPE = (128, 160)
 CAMERA = (140.0, 138.0, 81.0, 62.5)
 WRAP = wrap_length(FREQUENCIES[0])
+TILTED = (0.3, -0.2, 1)  # normal of a plane
 
 # Normals and distances, m, of two walls and the floor about a camera at the origin; nearest and
 # furthest corner, m, of a box on the floor, turned about the vertical; the camera looks down.
 _ROOM = (((0.6, 0.0, 0.8), 2.1), ((-0.8, 0.0, 0.6), 2.0), ((0.0, 1.0, 0.0), 2.1))
 _BOX = ((0.95, 1.5, 0.75), (1.55, 2.1, 1.45))
-_TURN, _PITCH = np.deg2rad(40), np.deg2rad(42)
+_TURN = np.deg2rad(40)
+_PITCH = np.deg2rad(42)
+_PAINT = (0.85, 0.65, 0.95, 0.8, 1.0, 0.6)  # of each part
 
 
 class Scene(NamedTuple):
@@ -36,36 +39,53 @@ def unit_rays(shape, camera=CAMERA):
     return rays / np.linalg.norm(rays, axis=-1, keepdims=True)
 
 
+def room_hits(rays):
+    """Depth, m, of the nearest wall or floor along rays (N, 3), and which it is."""
+    depth = [distance / np.maximum(rays @ normal, 1e-9) for normal, distance in _ROOM]
+    return np.min(depth, axis=0), np.argmin(depth, axis=0)
+
+
+def box_hits(rays):
+    """Depth, m, of the box, infinite where a ray misses it, and the axis of its face."""
+    turned = Rotation.from_euler("y", _TURN).apply(rays)
+    near, far = np.sort(np.array(_BOX)[:, None] / turned, axis=0)
+    enter = near.max(axis=1)
+    leave = far.min(axis=1)
+    hit = (enter > 0) & (enter < leave)
+    return np.where(hit, enter, np.inf), near.argmax(axis=1)
+
+
 def corner_scene(shape=SHAPE, camera=CAMERA):
     """Two walls, a floor and a box before them, hit by formula."""
-    turned = Rotation.from_euler("x", -_PITCH).apply(
-        unit_rays(shape, camera).reshape(-1, 3)
-    )
-    room = [h / np.maximum(turned @ np.array(n), 1e-9) for n, h in _ROOM]
-    room = np.reshape(room, (-1, *shape))
-    turned = Rotation.from_euler("y", _TURN).apply(turned).T.reshape(3, 1, *shape)
-    sides = np.sort(np.array(_BOX).T[..., None, None] / turned, axis=1)
-    enter, leave = sides[:, 0], sides[:, 1]
-    hit = (enter.max(axis=0) < leave.min(axis=0)) & (enter.max(axis=0) > 0)
-    hit &= enter.max(axis=0) < room.min(axis=0)
-    depth = np.where(hit, enter.max(axis=0), room.min(axis=0))
-    part = np.where(hit, 3 + enter.argmax(axis=0), room.argmin(axis=0))
-    paint = np.array([0.85, 0.65, 0.95, 0.8, 1.0, 0.6])[part]
-    rows, columns = np.indices(shape)
-    paint *= 0.8 + 0.2 * np.sin(0.31 * columns + 0.17 * rows) * np.cos(0.23 * rows)
-    return Scene(Frame(depth, np.clip(paint, 0.3, 1), np.array(camera), "corner"), part)
+    rays = unit_rays(shape, camera).reshape(-1, 3)
+    level = Rotation.from_euler("x", -_PITCH).apply(rays)
+    behind, side = room_hits(level)
+    before, face = box_hits(level)
+    depth = np.minimum(before, behind).reshape(shape)
+    part = np.where(before < behind, 3 + face, side).reshape(shape)
+    return Scene(Frame(depth, painted(part), np.array(camera), "corner"), part)
 
 
-def plane_depth(normal, z, shape=SHAPE, camera=CAMERA):
+def painted(part):
+    """Brightness (H, W) of the parts that pixels show: each its own, with a pattern."""
+    rows, columns = np.indices(part.shape)
+    pattern = np.sin(0.31 * columns + 0.17 * rows)
+    pattern *= np.cos(0.23 * rows)
+    light = np.array(_PAINT)[part] * (0.8 + 0.2 * pattern)
+    return light.clip(0.3, 1)
+
+
+def plane_depth(normal=TILTED, z=2.5, shape=SHAPE, camera=CAMERA):
     """Range (H, W), m, of the plane through (0, 0, z) with a normal; and its q (6,)."""
     q = np.zeros(6)
     q[:3] = np.asarray(normal, float) / (normal[2] * z)
     return 1 / (unit_rays(shape, camera) @ q[:3]), q
 
 
-def plane_frame(normal, z, intensity=1.0):
-    depth, _ = plane_depth(normal, z)
-    return Frame(depth, np.broadcast_to(intensity, SHAPE), np.array(CAMERA), "plane")
+def plane_frame(normal, intensity=1.0):
+    depth, _ = plane_depth(normal)
+    light = np.broadcast_to(intensity, SHAPE)
+    return Frame(depth, light, np.array(CAMERA), "plane")
 
 
 def exact_field(depth, *, information=100.0, noise_of=None, camera=CAMERA):
@@ -73,32 +93,27 @@ def exact_field(depth, *, information=100.0, noise_of=None, camera=CAMERA):
 
     ``noise_of`` is a generator to draw the phasors' own noise from.
     """
-    depth = np.asarray(depth, float)
     phase = np.stack([phase_from_depth(depth, f) for f in FREQUENCIES])
-    field = field_from_measurement(
-        Measurement.from_phase(phase, FREQUENCIES, camera=camera)
-    )
-    height, width = depth.shape
-    k = np.zeros_like(field.information)
-    k[:, :height, :width] = information
-    p = np.zeros(k.shape, complex)
-    p[:, :height, :width] = np.exp(1j * phase)
-    p *= np.sqrt(k)  # a / s, where the noise is 1 in each component
+    measurement = Measurement.from_phase(phase, FREQUENCIES, camera=camera)
+    field = field_from_measurement(measurement)
+    told = np.full_like(field.information, information)
+    size = np.sqrt(told)  # a / s, where the noise is 1 in each component
+    phasor = size * np.exp(1j * phase)
     if noise_of is not None:
-        drawn = noise_of.normal(size=(2, *k.shape))
-        p += drawn[0] + 1j * drawn[1]
-    p *= np.sqrt(k)
+        real, imaginary = noise_of.normal(size=(2, *told.shape))
+        phasor += real + 1j * imaginary
+    weighted = (size * phasor).astype(np.complex64)
     return field._replace(
-        real=p.real.astype(np.float32),
-        imaginary=p.imag.astype(np.float32),
-        information=k,
+        real=weighted.real.copy(),
+        imaginary=weighted.imag.copy(),
+        information=told,
     )
 
 
-def whole_boxes(shape):
+def whole_boxes(shape=SHAPE):
     """Every cell of an image as a rectangle (N, 4)."""
-    y, x = (CELL * i.ravel() for i in np.indices((shape[0] // CELL, shape[1] // CELL)))
-    return np.stack([y, y + CELL, x, x + CELL], axis=1)
+    top, left = np.mgrid[: shape[0] : CELL, : shape[1] : CELL].reshape(2, -1)
+    return np.stack([top, top + CELL, left, left + CELL], axis=1)
 
 
 def known(mean, spread):
@@ -108,7 +123,12 @@ def known(mean, spread):
 
 def meeting_planes():
     """Field of two planes that meet at the optical axis, and both, one moved by three wraps."""
-    left, q = plane_depth((0.3, 0, 1), 2.5)
-    right, p = plane_depth((-0.3, 0, 1), 2.5)
+    left, q = plane_depth((0.3, 0, 1))
+    right, p = plane_depth((-0.3, 0, 1))
     field = exact_field(np.maximum(left, right))
-    return field, np.stack([q, moved(field, p, whole_boxes(SHAPE), BENT, 3 * WRAP)[0]])
+    aside, _ = moved(field, p, whole_boxes(), BENT, 3 * WRAP)
+    return field, np.stack([q, aside])
+
+
+# which of the two planes each pixel shows
+SIDES = (np.arange(SHAPE[1]) >= 81) * np.ones(SHAPE, np.int32)

@@ -4,7 +4,7 @@ from itertools import combinations
 
 import numpy as np
 from exact_scenes import (
-    SHAPE,
+    SIDES,
     WRAP,
     exact_field,
     known,
@@ -23,37 +23,35 @@ SURE = 0.99
 
 
 def between(*entries):
-    first, second, step, odds = np.array(entries, float).reshape(-1, 4).T
-    return contacts.Borders(
-        first.astype(int), second.astype(int), step.astype(int), odds
-    )
+    *numbers, odds = np.reshape(entries, (-1, 4)).T
+    return contacts.Borders(*np.array(numbers, int), odds)
 
 
 def tied(found, borders, limits=None):
     if limits is None:
-        limits = np.full((2, found.mean.size), np.inf) * [[-1], [1]]
+        limits = np.outer([-np.inf, np.inf], np.ones_like(found.mean))
     return contacts.tied(found, borders, limits, REPEAT)
 
 
 def test_borders_find_whole_wraps_between_planes_that_meet():
     """Left one plane, right another that meets it, moved by three wraps."""
     field, surfaces = meeting_planes()
-    label = np.where(np.arange(SHAPE[1]) < 81, 0, np.ones(SHAPE, np.int32))
-    found = contacts.borders(field, label.astype(np.int32), surfaces)
-    assert (found.first.tolist(), found.second.tolist()) == ([0], [1])
+    found = contacts.borders(field, SIDES, surfaces)
+    assert found.first.tolist() == [0]
+    assert found.second.tolist() == [1]
     assert abs(found.step[0]) == 3
     assert found.odds[0] > 0.5
 
 
 def test_a_border_counts_the_departure_of_its_pixels():
     """A quarter of a wrap that neither plane explains does not move the step."""
-    depth, q = plane_depth((0.1, 0, 1), 2.5)
-    wave = 0.3 * WRAP * np.sin(np.arange(SHAPE[1]) / 8)
+    depth, q = plane_depth((0.1, 0, 1))
+    wave = 0.3 * WRAP * np.sin(np.arange(SIDES.shape[1]) / 8)
     field = exact_field(depth + wave)
-    label = (np.arange(SHAPE[1]) >= 81) * np.ones(SHAPE, np.int32)
-    aside, _ = moved(field, q, whole_boxes(SHAPE), BENT, -0.4 * WRAP)
-    for planes in ([q, q], [q, aside]):
-        assert contacts.borders(field, label, np.stack(planes)).step == [0]
+    aside, _ = moved(field, q, whole_boxes(), BENT, -0.4 * WRAP)
+    for other in (q, aside):
+        found = contacts.borders(field, SIDES, np.stack([q, other]))
+        assert found.step == [0]
 
 
 @mark.parametrize("borders", [[(0, 1, 2, 0.7), (1, 2, -1, 0.4)], [(0, 2, 1, 0.9)]])
@@ -65,34 +63,35 @@ def test_beliefs_along_a_chain_are_those_of_all_combinations(monkeypatch, border
     joint = joint_odds(alone, borders)
     found = tied(alone, between(*borders))
     for n in range(3):
-        share = joint.sum(axis=tuple(k for k in range(3) if k != n)) / joint.sum()
+        others = tuple({0, 1, 2} - {n})
+        share = joint.sum(axis=others) / joint.sum()
         assert found.wraps[n] == np.rint(alone.mean[n]) + share.argmax() - 4
         assert found.odds[n] == approx(share.max(), rel=1e-3)
 
 
 def joint_odds(alone, borders):
     """Odds (9, 9, 9) of all combinations of three offsets within four wraps of their own."""
-    base = np.rint(alone.mean)[:, None]
-    off = base + contacts._OFFSETS - alone.mean[:, None]
-    spread = np.hypot(alone.spread, contacts._UNSEEN)[:, None]
-    density = np.exp(-((off / spread) ** 2) / 2)
-    density = density / density.sum(axis=1, keepdims=True) + contacts._STRAY / 9
+    wraps = np.rint(alone.mean)[:, None] + np.arange(-4, 5)
+    spread = np.hypot(alone.spread, contacts._UNSEEN)
+    off = (wraps - alone.mean[:, None]) / spread[:, None]
+    density = np.exp(-(off**2) / 2)
     density /= density.sum(axis=1, keepdims=True)
-    place = np.indices((9, 9, 9))
-    wraps = base[..., None, None] + place - 4
-    joint = np.prod([density[n, place[n]] for n in range(3)], axis=0)
-    alone = joint.copy()
+    density += contacts._STRAY / 9
+    density /= density.sum(axis=1, keepdims=True)
+    before = np.einsum("i,j,k->ijk", *density)
+    together = np.meshgrid(*wraps, indexing="ij")
+    joint = before.copy()
     for a, b, step, odds in borders:
-        meets = wraps[b] - wraps[a] == step
-        odds *= min(9 * alone[meets].sum(), 1)
-        joint *= odds * meets + (1 - odds) / 9
+        meets = together[b] - together[a] == step
+        possible = min(9 * before[meets].sum(), 1)
+        joint *= odds * possible * meets + (1 - odds * possible) / 9
     return joint
 
 
 def test_a_false_contact_gives_way_to_those_that_agree():
     """Five surfaces, all in contact; one border of ten is a wrap off."""
-    pairs = list(combinations(range(5), 2))
-    borders = between(*((a, b, (a, b) == (0, 1), 0.8) for a, b in pairs))
+    pairs = combinations(range(5), 2)
+    borders = between(*((*pair, pair == (0, 1), 0.8) for pair in pairs))
     found = tied(known([0.1, 0.3, 0, 0.4, -0.2], [0.6] * 5), borders)
     assert not found.wraps.any()
     assert np.unique(found.group).size == 1
@@ -105,14 +104,20 @@ def test_a_wall_behind_leaves_keeps_its_offset():
     assert not found.wraps.any()
 
 
-def test_none_are_tied_that_disagree_or_against_the_odds():
-    assert tied(known([0, 9], [0.3, 0.3]), between((0, 1, 0, SURE))).wraps.tolist() == [
-        0,
-        9,
-    ]
-    for odds, second in ((0.01, 1), (SURE, 0)):
-        found = tied(known([0.1, 0.8], [0.1, 0.5]), between((0, 1, 0, odds)))
-        assert found.wraps.tolist() == [0, second]
+@mark.parametrize(
+    ("mean", "spread", "odds", "second"),
+    [
+        ([0, 9], [0.3, 0.3], SURE, 9),  # they disagree
+        ([0.1, 0.8], [0.1, 0.5], 0.01, 1),
+        ([0.1, 0.8], [0.1, 0.5], SURE, 0),
+    ],
+)
+def test_none_are_tied_that_disagree_or_against_the_odds(mean, spread, odds, second):
+    found = tied(known(mean, spread), between((0, 1, 0, odds)))
+    assert found.wraps.tolist() == [0, second]
+
+
+def test_no_surface_has_no_offset():
     assert tied(known([], []), between()).wraps.size == 0
 
 
@@ -123,18 +128,19 @@ def test_offsets_stay_within_the_limits_and_find_their_beat():
     assert found.wraps[1:].tolist() == [np.rint(0.2 + REPEAT), 0]
 
 
-def test_neither_the_order_of_borders_nor_their_sides_matter(rng):
-    for count in (2, 5, 9):
-        true = rng.integers(-20, 20, count)
-        spread = rng.uniform(0.05, 2, count)
-        told = [
-            (a, b, true[b] - true[a] + rng.integers(-1, 2), rng.random())
-            for a, b in combinations(range(count), 2)
-            if rng.random() < 0.7
-        ]
-        turned = [(b, a, -step, odds) for a, b, step, odds in told]
-        found = known(true + spread * rng.normal(size=count), spread)
-        once = tied(found, between(*told))
-        got = tied(found, between(*(turned[i] for i in rng.permutation(len(turned)))))
-        assert_array_equal(got.wraps, once.wraps)
-        assert_allclose(got.share, once.share, atol=1e-9)
+@mark.parametrize("count", [2, 5, 9])
+def test_neither_the_order_of_borders_nor_their_sides_matter(rng, count):
+    true = rng.integers(-20, 20, count)
+    spread = rng.uniform(0.05, 2, count)
+    told = [
+        (a, b, true[b] - true[a] + rng.integers(-1, 2), rng.random())
+        for a, b in combinations(range(count), 2)
+        if rng.random() < 0.7
+    ]
+    turned = [(b, a, -step, odds) for a, b, step, odds in told]
+    rng.shuffle(turned)
+    found = known(true + spread * rng.normal(size=count), spread)
+    once = tied(found, between(*told))
+    again = tied(found, between(*turned))
+    assert_array_equal(again.wraps, once.wraps)
+    assert_allclose(again.share, once.share, atol=1e-9)

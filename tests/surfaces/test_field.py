@@ -17,7 +17,7 @@ def test_information_is_one_over_the_variance_of_the_phase_and_darkness_has_none
     half = SHAPE[1] // 2
     intensity = np.zeros(SHAPE)
     intensity[:, :half] = 1.0
-    frame = plane_frame((0, 0, 1), 2.5, intensity)
+    frame = plane_frame((0, 0, 1), intensity)
     field = field_from_measurement(simulate(frame, protocol="full", seed=6))
     assert field.information[:, :, half + 40 :].mean() < 0.1
     bright = field.information[:, :, : half - 8].mean()
@@ -28,7 +28,7 @@ def test_information_is_one_over_the_variance_of_the_phase_and_darkness_has_none
 def test_noise_that_no_residual_shows_is_found_by_the_beats_of_neighbours(hidden, rng):
     """A phase error that is the same in all samples of a pixel, as by vibration."""
     seen = simulated_phase_noise(1.0, sigma=50)
-    m = simulate(plane_frame((0.2, 0.1, 1), 2.5), noise=50, seed=6)
+    m = simulate(plane_frame((0.2, 0.1, 1)), noise=50, seed=6)
     angle = m.phase[:, None] + m.dataset["psi"].to_numpy()[..., None, None]
     off = rng.normal(0, hidden, m.phase.shape)[:, None]
     cosine = np.cos(angle + off) - np.cos(angle)
@@ -52,7 +52,7 @@ def test_noise_that_no_residual_shows_is_found_by_the_beats_of_neighbours(hidden
 )
 def test_a_steep_wall_hides_no_noise(how):
     """At 45 degrees, 0.85 wraps a pixel."""
-    m = simulate(plane_frame((1, 0, 1), 2.5, 0.1), **how)
+    m = simulate(plane_frame((1, 0, 1), 0.1), **how)
     assert hidden_noise(m, seen_noise(m)) == 0
 
 

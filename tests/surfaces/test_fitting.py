@@ -2,7 +2,6 @@
 
 import numpy as np
 from exact_scenes import (
-    CAMERA,
     WRAP,
     exact_field,
     plane_depth,
@@ -10,7 +9,7 @@ from exact_scenes import (
     whole_boxes,
 )
 from numpy.testing import assert_allclose
-from pytest import approx, mark
+from pytest import approx, fixture, mark
 
 from cmtof.surfaces import fitting
 from cmtof.surfaces.fitting import (
@@ -30,24 +29,35 @@ WHOLE = region_of_boxes(BOXES)
 NORMALS = [(0, 0, 1), (-0.3, 0.5, 1), (0.8, -0.6, 1)]
 
 
-def plane(normal, z=2.5):
-    return plane_depth(normal, z, SHAPE, CENTRED)
+def plane(normal):
+    return plane_depth(normal, shape=SHAPE, camera=CENTRED)
 
 
 def field_of(depth, **more):
     return exact_field(depth, camera=CENTRED, **more)
 
 
+@fixture
+def steep(rng):
+    """A plane in noise: its depth, its parameters and its field."""
+    depth, q = plane(NORMALS[2])
+    return depth, q, field_of(depth, information=2.0, noise_of=rng)
+
+
+def functions(field):
+    """The six functions (6, H, W) of directions that a surface is a sum of."""
+    u, v = np.broadcast_arrays(field.u, field.v[:, None])
+    return np.stack([u, v, np.ones_like(u), u**2, u * v, v**2])
+
+
 def depth_of(field, q):
-    u, v = field.u, field.v[:, None]
-    bent = q[3] * u**2 + q[4] * u * v + q[5] * v**2
-    return 1 / (field.cosine * (q[0] * u + q[1] * v + q[2] + bent))
+    return 1 / (field.cosine * np.tensordot(q, functions(field), 1))
 
 
 def likelihood(field, q, chosen=True):
-    p = field.real.astype(complex) + 1j * field.imaginary
-    turned = p * np.exp(-1j * field.wavenumber[:, None, None] * depth_of(field, q))
-    return np.where(chosen, turned.real, 0).sum()
+    phasor = field.real + 1j * field.imaginary
+    turn = field.wavenumber[:, None, None] * depth_of(field, q)
+    return np.sum((phasor * np.exp(-1j * turn)).real, where=chosen)
 
 
 def test_sums_are_those_of_the_likelihood(rng):
@@ -57,93 +67,102 @@ def test_sums_are_those_of_the_likelihood(rng):
     got = look(field, WHOLE, q, BENT)
     assert got.likelihood == approx(likelihood(field, q), rel=1e-6)
     assert got.most == approx(field.information.sum(dtype=float), rel=1e-6)
-    cells = [cell_likelihood(field, q, y, x) for y in range(8) for x in range(10)]
+    cells = [cell_likelihood(field, q, *cell) for cell in np.ndindex(8, 10)]
     assert sum(cells) == approx(got.likelihood, rel=1e-6)
+    assert depth_at(field, q, 7, 11) == approx(depth_of(field, q)[7, 11])
     label = rng.integers(0, 3, SHAPE).astype(np.int32)
     part = look(field, Region(BOXES, label, 1), q, PLANE)
     assert part.likelihood == approx(likelihood(field, q, label == 1), rel=1e-6)
-    assert depth_at(field, q, 7, 11) == approx(depth_of(field, q)[7, 11])
 
 
-def test_information_is_that_of_the_derivatives():
-    depth, q = plane(NORMALS[2])
-    field = field_of(depth, information=2.0)
+def test_information_is_that_of_the_derivatives(steep):
+    depth, q, field = steep
     *_, found = fitting._moments(field, WHOLE, q)
-    u, v = np.broadcast_to(field.u, SHAPE), np.broadcast_to(field.v[:, None], SHAPE)
-    slopes = -(depth**2) * field.cosine * [u, v, np.ones(SHAPE), u * u, u * v, v * v]
-    k = field.wavenumber[:, None, None]
-    matrix = np.einsum(
-        "iyx,jyx,yx->ij", slopes, slopes, (field.information * k**2).sum(axis=0)
-    )
+    slopes = -(depth**2) * field.cosine * functions(field)
+    slopes = slopes.reshape(BENT, -1)
+    told = np.tensordot(field.wavenumber**2, field.information, 1)
+    matrix = slopes * told.ravel() @ slopes.T
     assert_allclose(found, np.tril(matrix), rtol=1e-5, atol=1e-3)
 
 
-def test_the_gradient_is_that_of_the_likelihood(rng):
-    depth, q = plane(NORMALS[2])
-    field = field_of(depth, information=2.0, noise_of=rng)
+def test_the_gradient_is_that_of_the_likelihood(steep, rng):
+    _, q, field = steep
     q += 1e-4 * rng.normal(size=BENT)
     _, gradient, _, found = fitting._moments(field, WHOLE, q)
-    for number in range(BENT):
-        ahead, behind = q.copy(), q.copy()
-        ahead[number], behind[number] = q[number] + 1e-6, q[number] - 1e-6
-        slope = (likelihood(field, ahead) - likelihood(field, behind)) / 2e-6
-        noise = np.sqrt(found[number, number])
-        assert gradient[number] == approx(slope, rel=1e-4, abs=1e-3 * noise)
+    steps = 1e-6 * np.eye(BENT)
+    ahead = [likelihood(field, q + step) for step in steps]
+    behind = [likelihood(field, q - step) for step in steps]
+    slope = np.subtract(ahead, behind) / 2e-6
+    noise = np.sqrt(np.diag(found))
+    assert (abs(gradient - slope) < 1e-4 * abs(slope) + 1e-3 * noise).all()
+
+
+def misses(field, q, depth):
+    """How far, m, a surface is from the truth at most, and how much it varies."""
+    off = depth_of(field, q) - depth
+    return np.abs(off).max(), off.std()
 
 
 @mark.parametrize("normal", NORMALS[1:])
-def test_fits_climb_back_and_hop_over_whole_wraps(normal, rng):
-    """As long as the moved plane is bent by less than half a wrap, which these are."""
-    depth, q = plane(normal)
+def test_fits_climb_back_to_a_tilted_plane(normal, rng):
+    """Tilted by up to a seventh of a wrap, so that no phase is beyond a quarter turn."""
+    depth, start = plane(normal)
     field = field_of(depth)
-    # tilted by up to a seventh of a wrap, so that no phase is beyond a quarter turn
-    start = q.copy()
-    start[:3] += (
-        rng.uniform(-1, 1, 3) / 21 * WRAP * np.array([3.6, 4.5, 1]) / depth.max() ** 2
-    )
+    tilt = rng.uniform(-1, 1, 3) / 21 * [3.6, 4.5, 1]
+    start[:3] += tilt * WRAP / depth.max() ** 2
     got = refine(field, WHOLE, start, PLANE, 8, 0)
-    assert np.abs(depth_of(field, got.q) - depth).max() < 1e-6
-    for wraps in (1, 5) if normal[0] < 0.5 else ():
-        start, _ = moved(field, q, BOXES, PLANE, wraps * WRAP)
-        assert np.mean(depth_of(field, start) - depth) == approx(wraps * WRAP, rel=0.02)
-        got = refine(field, WHOLE, start, PLANE, 8)
-        assert np.abs(depth_of(field, got.q) - depth).max() < 1e-6
+    assert misses(field, got.q, depth)[0] < 1e-6
 
 
-def test_planes_are_called_planes_and_balls_bent(rng):
-    for normal in NORMALS:
-        depth, q = plane(normal)
-        field = field_of(depth, information=20.0, noise_of=rng)
-        few = BOXES[(abs(BOXES[:, [0, 2]] - (28, 36)) < 16).all(axis=1)]
-        for start in (
-            q,
-            moved(field, q, few, BENT, 0.0, 0, 1)[0],
-        ):  # a turn per pixel off
-            found = select(field, region_of_boxes(few), start, 6, 15.0, 1.0)[0].q
-            assert not found[3:].any() and np.std(depth_of(field, found) - depth) < 5e-4
-    for radius in (
-        20.0,
-        -40.0,
-    ):  # sag over half the width: 13 mm and 6 mm, to and from the camera
-        along = unit_rays(SHAPE, CENTRED)[..., 2] * (2.5 + radius)
-        depth = along - np.sign(radius) * np.sqrt(
-            along**2 - (2.5 + radius) ** 2 + radius**2
-        )
-        field = field_of(depth, information=20.0, noise_of=rng)
-        found = select(field, WHOLE, np.eye(6)[2] / 2.5, 8, 15.0, 1.0)[0].q
-        assert found[3:].any() and np.std(depth_of(field, found) - depth) < 1e-4
+@mark.parametrize("wraps", [1, 5])
+def test_fits_hop_over_whole_wraps(wraps):
+    """As long as the moved plane is bent by less than half a wrap, which this one is."""
+    depth, q = plane(NORMALS[1])
+    field = field_of(depth)
+    start, _ = moved(field, q, BOXES, PLANE, wraps * WRAP)
+    assert np.mean(depth_of(field, start) - depth) == approx(wraps * WRAP, rel=0.02)
+    got = refine(field, WHOLE, start, PLANE, 8)
+    assert misses(field, got.q, depth)[0] < 1e-6
+
+
+@mark.parametrize("turns", [0, 1])  # a pixel that the start is off
+@mark.parametrize("normal", NORMALS)
+def test_planes_are_called_planes(normal, turns, rng):
+    depth, q = plane(normal)
+    field = field_of(depth, information=20.0, noise_of=rng)
+    middle = np.abs(BOXES[:, [0, 2]] - (28, 36)).max(axis=1) < 16
+    few = BOXES[middle]
+    start = moved(field, q, few, BENT, 0.0, 0, turns)[0] if turns else q
+    fit, *_ = select(field, region_of_boxes(few), start, 6, 15.0, 1.0)
+    assert not fit.q[3:].any()
+    assert misses(field, fit.q, depth)[1] < 5e-4
+
+
+@mark.parametrize("radius", [20.0, -40.0])
+def test_balls_are_called_bent(radius, rng):
+    """They sag by 13 and 6 mm over half the width, to and from the camera."""
+    centre = 2.5 + radius
+    along = unit_rays(SHAPE, CENTRED)[..., 2] * centre
+    half = np.sqrt(along**2 - centre**2 + radius**2)
+    depth = along - np.sign(radius) * half
+    field = field_of(depth, information=20.0, noise_of=rng)
+    facing = np.eye(BENT)[2] / 2.5
+    fit, *_ = select(field, WHOLE, facing, 8, 15.0, 1.0)
+    assert fit.q[3:].any()
+    assert misses(field, fit.q, depth)[1] < 1e-4
 
 
 def test_the_offset_scatters_as_predicted():
     """Sixty draws give a deviation to 9 % and a mean to 0.13 of it: three sigma each."""
-    depth, q = plane_depth((0.3, -0.2, 1), 2.5)
-    boxes = whole_boxes(depth.shape)
-    rng, found = np.random.default_rng(8), []
+    rng = np.random.default_rng(8)
+    depth, q = plane_depth()
+    whole = region_of_boxes(whole_boxes())
+    found = []
     for _ in range(60):
-        field = exact_field(depth, information=1.0, noise_of=rng, camera=CAMERA)
-        fit = refine(field, region_of_boxes(boxes), q, PLANE, 8, 0)
+        field = exact_field(depth, information=1.0, noise_of=rng)
+        fit = refine(field, whole, q, PLANE, 8, 0)
         found.append((fit.offset, fit.known))
-    offset, known = np.array(found).T
+    offset, known = np.transpose(found)
     deviation = 1 / np.sqrt(known.mean())
-    assert np.std(offset) == approx(deviation, rel=0.28)
+    assert offset.std() == approx(deviation, rel=0.28)
     assert abs(offset.mean()) < 3 * deviation / np.sqrt(60)
