@@ -200,9 +200,10 @@ def _with_valid_values(data: Dataset) -> Dataset:
             np.min(numbers(limit, "the attribute saturation"), initial=np.inf)
         )
         counts = data.get("raw_counts", data["correlation"]).to_numpy()
-        what = f"counts below the saturation {saturation:g}"
         _raise_if_any(
-            (counts >= saturation) & valid, what, "Lower gain or exposure, or mask."
+            (counts >= saturation) & valid,
+            f"counts below the saturation {saturation:g}",
+            "Lower gain or exposure, or mask.",
         )
     return data
 

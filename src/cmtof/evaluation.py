@@ -245,8 +245,9 @@ class Evaluation:
 
 def digest(counts: Sequence[Named]) -> str:
     """SHA-256 of counts as a hexadecimal string, stored beside them."""
-    plain = json.dumps(counts, sort_keys=True, ensure_ascii=False)
-    return hashlib.sha256(plain.encode()).hexdigest()
+    return hashlib.sha256(
+        json.dumps(counts, sort_keys=True, ensure_ascii=False).encode()
+    ).hexdigest()
 
 
 def read_counts(path: AnyPath) -> list[Fields]:

@@ -227,11 +227,10 @@ def split_views(listed: Iterable[View]) -> dict[str, list[View]]:
     test = sorted(
         [*paper_frames, *{view.scene: view for view in reversed(rendered)}.values()]
     )
-    others = [
-        view for view in views if view.scene not in {tested.scene for tested in test}
-    ]
+    tested = {view.scene for view in test}
     parts = {
-        name: [v for v in others if v.partition == name] for name in ("train", "val")
+        name: [v for v in views if v.partition == name and v.scene not in tested]
+        for name in ("train", "val")
     }
     return {**parts, "test": test}
 

