@@ -4,9 +4,9 @@
 # One pixel does not determine its wrap ([chapter 3](03_wraps.ipynb)); a surface does. How much of a
 # scene can any method unwrap?
 #
-# A limit tells a poor method from poor data. It depends on the size, brightness and slope of the
-# surfaces and on what is known of them. References that are given a part of the truth measure it,
-# on the same images as all methods.
+# A limit separates a poor method from poor data. It depends on the size, brightness and slope of
+# the surfaces and on what is known of them. References that are given a part of the truth measure
+# it, on the same images as all methods.
 
 # %% tags=["parameters", "hide-input"]
 profile: str = "book"  # size profile
@@ -112,7 +112,7 @@ plotting.save(
 # %% [markdown]
 # ## Four references
 #
-# | reference | knows | must find |
+# | reference | is given | must find |
 # | --- | --- | --- |
 # | `reference-depth` | the depth itself | nothing; noise moves phases across a wrap's end |
 # | `reference-contact` | the shape of all that is connected | one offset a body |
@@ -238,8 +238,8 @@ notes.table(
 # %% [markdown]
 # *Found* is the share of pixels whose measured phase gets the right number of turns. The references
 # add phasors with equal weights and agree with the prediction, as far as so few surfaces allow.
-# With weights by brightness they would gain a little: the last column bounds a method that knows
-# every shape and takes its distance from the beat. Only contacts or flat surfaces exceed it:
+# With weights by brightness they would gain a little: the last column bounds a method that is
+# given every shape and takes its distance from the beat. Only contacts or flat surfaces exceed it:
 # the shape of a plane in a known camera gives its distance ([chapter 11](11_surfaces.ipynb)).
 
 # %% [markdown]

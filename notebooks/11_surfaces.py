@@ -36,8 +36,7 @@ from cmtof.statistics import reliability
 from cmtof.surfaces import stages
 from cmtof.surfaces.field import field_from_measurement
 from cmtof.surfaces.fitting import refine, region_of_boxes
-from cmtof.surfaces.placing import depth_of_labels
-from cmtof.surfaces.shapes import PLANE
+from cmtof.surfaces.shapes import PLANE, depth_of_labels
 from cmtof_book import notes, plotting, views
 from cmtof_book.compared import closed_form, decision, sum_over_draws
 from cmtof_book.comparison import Scene, comparison_figure

@@ -32,12 +32,12 @@ from cmtof.hardware.rig import SAMPLE_RATE
 from cmtof_book import notes, paper, plotting
 from cmtof_book.compared import closed_form
 from cmtof_lab.interferometer import Interferometer
-from cmtof_lab.optical_ranging import FREQUENCY, OpticalRanger
+from cmtof_lab.optical_ranging import OpticalRanger
 from cmtof_lab.optics import sent_power
 from cmtof_lab.rehearsal import opened, rig_of
 from cmtof_lab.rf_ranging import RfRanger
 from cmtof_lab.settings import NOISE, TwinSettings
-from cmtof_lab.sweep import POSITIONS, collected_power, parts, visited
+from cmtof_lab.sweep import FREQUENCY, POSITIONS, collected_power, parts, visited
 from cmtof_lab.targets import MIRROR, PLATE
 
 plotting.begin(profile=profile, seed=seed)

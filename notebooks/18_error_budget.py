@@ -33,10 +33,10 @@ from cmtof_lab.budget import (
     phase_terms,
     simulated,
 )
-from cmtof_lab.optical_ranging import FREQUENCY, OpticalRanger
+from cmtof_lab.optical_ranging import OpticalRanger
 from cmtof_lab.optics import aperture_area, sent_power, speckle_cells, spot_radius
 from cmtof_lab.settings import TwinSettings
-from cmtof_lab.sweep import collected_power, parts
+from cmtof_lab.sweep import FREQUENCY, collected_power, parts
 from cmtof_lab.targets import MIRROR, PLATE
 
 plotting.begin(profile=profile, seed=seed)

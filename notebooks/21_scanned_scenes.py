@@ -365,7 +365,7 @@ plotting.save(
     "At the captures' noise by the points in the scan; the network was fine-tuned at "
     f"{settings['size']} points a side. (c) By the phase noise of a point, zero at "
     "the photon limit; the paper does not state its own. (b, c) are means over bust and owl. "
-    "The reference knows the shapes.",
+    "The reference is given the shapes.",
     alt="Three plots of right wraps. With labelled scans they rise from "
     f"{by_labels[0].mean():.0f} to {by_labels[max(by_labels)].mean():.0f} percent; with points "
     f"from {grid['fast-scnn', '1'][0]:.0f} to {grid['fast-scnn', '1'][-1]:.0f} percent; with noise "

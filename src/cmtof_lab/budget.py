@@ -16,10 +16,10 @@ from cmtof.correlation import TAU, depth_from_phase
 from cmtof.hardware.rig import MODES
 from cmtof.types import Array, Values
 from cmtof_lab.instrument import DRIFT_OCTAVES
-from cmtof_lab.optical_ranging import FREQUENCY, OpticalRanger
+from cmtof_lab.optical_ranging import OpticalRanger
 from cmtof_lab.optics import returned_fractions
 from cmtof_lab.settings import TwinSettings
-from cmtof_lab.sweep import POSITIONS, STAGE_ERROR
+from cmtof_lab.sweep import FREQUENCY, POSITIONS, STAGE_ERROR
 from cmtof_lab.targets import MIRROR, Plane, RayEnds
 
 REAL = TwinSettings()

@@ -26,7 +26,6 @@ from cmtof_lab.electronics import SLOPE, Chain, density, volts_per_watt
 from cmtof_lab.instrument import Panel, RfKnobs, SimulatedInstrument
 from cmtof_lab.optics import ambient, emission_mean
 from cmtof_lab.settings import TwinSettings
-from cmtof_lab.sweep import FREQUENCY as FREQUENCY
 from cmtof_lab.sweep import WRAP, PhaseRanger, collected_power, visited
 from cmtof_lab.targets import Plane
 

@@ -115,7 +115,7 @@ def trace(
 def uniform_from_places(seed: int, places: ArrayLike, count: int) -> Array:
     """Uniform numbers (N, count) in (0, 1) that depend on the seed and on places (N, 2) only."""
     # places, whole numbers of 32 bits, are mixed as in SplitMix64 (Steele et al., OOPSLA 2014)
-    pair = np.asarray(places).astype(np.int64).view(np.uint64)
+    pair = np.asarray(places, np.int64).view(np.uint64)
     start = hash_array(np.array([seed & WORD, 7], np.uint64))
     # arrays of unsigned integers wrap round without a warning
     first = pair[:, :1] << 32

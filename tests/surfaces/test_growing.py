@@ -16,7 +16,7 @@ from pytest import mark
 from cmtof.correlation import TAU
 from cmtof.surfaces.field import CELL
 from cmtof.surfaces.growing import grown_surfaces
-from cmtof.surfaces.placing import depth_of_labels
+from cmtof.surfaces.shapes import depth_of_labels
 from cmtof.surfaces.windows import WINDOWS, plane_in_window, spectral_slopes
 
 CELLS = (SHAPE[0] // CELL, SHAPE[1] // CELL)
