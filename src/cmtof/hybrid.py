@@ -25,17 +25,20 @@ LEAST = -8.0  # log-probability below which the network's is clipped
 def hybrid(measurement: Measurement, *, weights: Path | None = None) -> Estimate:
     """Surfaces whose wraps a network helps to choose, by its log-odds averaged over each."""
     # not every method needs ONNX Runtime
-    from cmtof.network.inference import network_for, scores
+    from cmtof.network.inference import bands, log_odds, network_for, output
 
     network = network_for(measurement, "fast-scnn", weights)
     first, last = wraps_in_range(measurement)
-    odds = scores(network, without_holes(measurement), first, last, mirrored=True)
-    odds -= np.log(np.exp(odds).sum(axis=0))  # in place: there may be hundreds of wraps
     period = wrap_length(measurement.frequencies[0])
 
+    # 358 wraps need much memory, and surfaces that are grown by then little
     def told(depth, label, offsets):
-        turns = depth / period - first
-        return PIXELS * means_of_surfaces(odds, turns, label, offsets)
+        found = output(network, without_holes(measurement), mirrored=True)
+        odds = np.empty((last - first + 1, *measurement.shape), np.float16)
+        for part, band in zip(bands(odds), bands(found), strict=True):
+            new = log_odds(network, band, first, last)
+            part[:] = new - np.log(np.exp(new).sum(axis=0))
+        return PIXELS * means_of_surfaces(odds, depth / period - first, label, offsets)
 
     return surfaces(measurement, told=told)
 

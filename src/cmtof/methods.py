@@ -36,8 +36,9 @@ class Method:
     tones: tuple[float, ...] = ()  # Hz, where those of the prototype do not serve
     knows_truth: bool = False  # whether it reads the true depth
     about: str = ""
-    # bytes a pixel, beside 4 a wrap, of methods that work in tiles when memory is short
+    # bytes a pixel of methods that work in tiles when memory is short, and those of each wrap
     memory: int = 0
+    wrap_memory: int = 4
     network: str = ""  # whose weights it needs
     # whether its confidence assumes that the beat does not repeat within the range
     one_beat: bool = False
@@ -58,7 +59,7 @@ class Method:
             message = f"{self.name} is untrained: its card shows no gain over a trivial answer."
             warnings.warn(message, stacklevel=3)
         first, last = wraps_in_range(measurement)
-        most = MOST_MEMORY // (self.memory + 4 * (last - first + 1))
+        most = MOST_MEMORY // (self.memory + self.wrap_memory * (last - first + 1))
         if not self.memory or measurement.mask.size <= most:
             found = self.run(measurement, **options)
         else:
@@ -113,7 +114,18 @@ def _network_method(
         found = unwrap_with_network(filled, model=model, weights=weights, **usual)
         return confirmed(*found, measurement)
 
-    return Method(name, "learned", source, run, about=about, memory=1300, network=model)
+    # the others answer for a few rows at a time, or with a single depth
+    wrap_memory = 4 * (model in ("u-net", "rapid", "fast-scnn-public"))
+    return Method(
+        name,
+        "learned",
+        source,
+        run,
+        about=about,
+        memory=1300,
+        wrap_memory=wrap_memory,
+        network=model,
+    )
 
 
 def _reference_method(run: Callable[..., Estimate], frequencies: int = 2) -> Method:
@@ -193,7 +205,8 @@ _ALL = (
         "learned",
         "this project",
         hybrid,
-        memory=1300,
+        memory=1000,
+        wrap_memory=2,
         network="fast-scnn",
         sets=True,
     ),

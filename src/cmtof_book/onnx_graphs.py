@@ -9,7 +9,6 @@ import gzip
 import io
 import warnings
 from itertools import product
-from types import MethodType
 
 import onnx
 import torch
@@ -25,12 +24,17 @@ def graph_of(network: Network) -> bytes:
     """ONNX graph of a network's body, whose weights are named and left out.
 
     It states what it reads and answers. Norms stay apart: ONNX Runtime folds them at its start.
+    The last layer is left out where its answer would be larger than what it reads.
     """
     kind = network.model.features
+    answer = network.target
+    network.forward = network.body
+    if network.classes > getattr(network, "head_width", network.classes):
+        answer = "before_output"
+        network.forward = network.before_output
     for weight in network.state_dict().values():
         if weight.is_floating_point():
             weight.uniform_()  # equal ones would become one
-    network.forward = MethodType(type(network).body, network)
     written = io.BytesIO()
     with warnings.catch_warnings(action="ignore"):
         torch.onnx.export(
@@ -43,8 +47,8 @@ def graph_of(network: Network) -> bytes:
             do_constant_folding=False,
             training=torch.onnx.TrainingMode.PRESERVE,  # or names of weights would be lost
             input_names=[kind],
-            output_names=[network.target],
-            dynamic_axes={kind: {2: "rows", 3: "columns"}, network.target: [1, 2, 3]},
+            output_names=[answer],
+            dynamic_axes={kind: {2: "rows", 3: "columns"}, answer: [2, 3]},
         )
     model = onnx.load_from_string(written.getvalue())
     for weight in model.graph.input[1:]:

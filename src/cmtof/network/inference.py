@@ -55,11 +55,15 @@ create_and_register_allocator(
 
 @dataclass(frozen=True)
 class Ready:
-    """A network that can run: a unique name, its card and its weights."""
+    """A network that can run: a unique name, its card and its weights.
+
+    ``last`` are those of the last layer, a 1×1 convolution, if its graph ends before it.
+    """
 
     name: str
     card: Card = field(compare=False)
     weights: dict[str, Array] = field(compare=False)
+    last: list[Array] = field(compare=False)
 
 
 def read_graph(card: Card) -> bytes:
@@ -74,11 +78,15 @@ def load_network(path: Path) -> Ready:
     """Network with the weights of a file; a ValueError if file or card cannot be used."""
     arrays, card = read_weights(path)
     # a fork does not copy the threads of a session
-    ready = Ready(
-        f"{card.model}.{card.protocol} {card.sha256} {os.getpid()}", card, arrays
-    )
+    name = f"{card.model}.{card.protocol} {card.sha256} {os.getpid()}"
+    last = []
     try:
-        about(ready)
+        if b"before_output" in read_graph(card):
+            last = [arrays.pop(f"output.{kind}") for kind in ("weight", "bias")]
+        ready = Ready(name, card, arrays, last)
+        channels = session(ready).get_outputs()[0].shape[1]
+        if last and last[0].shape[:2] != (card.classes, channels):
+            raise Refused(f"a last layer {last[0].shape}")
     except Exception as error:  # ONNX Runtime raises a dozen kinds
         raise refused(path, card, error) from error
     return ready
@@ -136,13 +144,9 @@ def unwrap_with_network(
         depth = turns * wrap_length(FREQUENCIES[0])
         confidence = np.full_like(depth, card.validation.delta_lt_1)
     else:
-        odds = scores(ready, measurement, first, last, mirrored)
-        wraps = np.full(odds.shape[1:], first)
-        # 15 times as fast as an argmax of 358 wraps; of equal odds the lowest wrap's count
-        for number in reversed(range(len(odds))):
-            wraps[odds[number] == 0] = first + number
+        found = output(ready, measurement, mirrored)
+        wraps, confidence = likeliest(ready, found, first, last)
         depth = depth_from_wraps(measurement.phase[0], wraps, FREQUENCIES[0])
-        confidence = 1 / np.exp(odds, out=odds).sum(0)  # a softmax, in place
     return within_range(depth, measurement), confidence
 
 
@@ -167,16 +171,28 @@ def network_for(
     return ready
 
 
-def scores(
-    ready: Ready,
-    measurement: Measurement,
-    first: int,
-    last: int,
-    mirrored: bool = False,
-) -> Single:
+def likeliest(ready: Ready, found: Single, first: int, last: int) -> Arrays:
+    """Likeliest wrap of each pixel out of ``first <= n <= last``, and its probability, (H, W)."""
+    answers = np.empty((2, *found.shape[1:]))
+    for band, answer in zip(bands(found), bands(answers), strict=True):
+        odds = log_odds(ready, band, first, last)
+        # 15 times as fast as an argmax of 358 wraps; of equal odds the lowest wrap's count
+        for number in reversed(range(len(odds))):
+            answer[0, odds[number] == 0] = first + number
+        answer[1] = 1 / np.exp(odds, out=odds).sum(0)  # a softmax, in place
+    return answers
+
+
+def bands(images: Array) -> list[Array]:
+    """Views of rows of images (C, H, W), at most 2^14 px each, whose odds stay in the cache."""
+    return np.array_split(images, images[0].size // 2**14 + 1, axis=1)
+
+
+def log_odds(ready: Ready, found: Single, first: int, last: int) -> Single:
     """Log-odds (N, H, W) of the wraps ``first <= n <= last`` against the likeliest of each pixel.
 
-    Raises a ValueError if the network does not distinguish all of them.
+    They follow from rows (C, H, W) of the network's `output`; a ValueError is raised if it does
+    not distinguish all of these wraps.
     """
     card = ready.card
     low = card.first_wrap
@@ -186,9 +202,20 @@ def scores(
             f"Expected wraps within {low} to {stop - 1}, which {card.model} distinguishes, "
             f"got {first} to {last}. Narrow the range."
         )
-    found = output(ready, measurement, mirrored)[first - low : last - low + 1]
-    found -= found.max(0)
-    return found
+    odds = last_layer(ready, found, np.s_[first - low : last - low + 1])
+    odds -= odds.max(0)
+    return odds
+
+
+def last_layer(ready: Ready, found: Single, classes: slice = np.s_[:]) -> Single:
+    """Values (N, H, W) of some classes, from the `output` (C, H, W) of a network.
+
+    Where its graph ends before the last layer, as for 358 classes, that is applied here.
+    """
+    if not ready.last:
+        return found[classes]
+    weight, bias = (x[classes].astype(np.float32) for x in ready.last)
+    return np.tensordot(weight[..., 0, 0], found, 1) + bias[:, None, None]
 
 
 def network_images(measurement: Measurement, kind: str) -> list[Single]:
@@ -228,7 +255,7 @@ def about(ready: Ready) -> Texts:
 
 
 def output(ready: Ready, measurement: Measurement, mirrored: bool = False) -> Single:
-    """Output (C, H, W) of a network for a measurement, or its mean over four mirror images."""
+    """Output (C, H, W) of a graph for a measurement, or its mean over four mirror images."""
     kind = about(ready)["features"]
     images = network_images(measurement, kind)
 
@@ -245,7 +272,7 @@ def output(ready: Ready, measurement: Measurement, mirrored: bool = False) -> Si
 
 
 def run_padded(ready: Ready, inputs: Single) -> Single:
-    """Output (C, H, W) for inputs (1, C', H, W), which are padded to the network's stride."""
+    """Output (C, H, W) of a graph for inputs (1, C', H, W), padded to the network's stride."""
     metadata = about(ready)
     stride = int(metadata["stride"])
     height, width = inputs.shape[-2:]

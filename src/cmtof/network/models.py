@@ -127,11 +127,15 @@ class FastSCNN(Network):
         self.output = nn.Conv2d(self.head_width, self.outputs, 1)
 
     def body(self, x: Tensor) -> Tensor:
+        return self.output(self.before_output(x))
+
+    def before_output(self, x: Tensor) -> Tensor:
+        """Features (B, 64, H, W) of each pixel, from which the output is made."""
         skip = self.stem(x)  # (B, 32, H, W)
         down = self.down(skip)  # (B, 64, H/4, W/4)
         deep = self.deep(self.pyramid(self.extract(down)))  # (B, 128, H/8, W/8)
         context = self.classify(functional.relu(resized(deep, down) + self.fine(down)))
-        return self.output(self.joined(context, skip))
+        return self.joined(context, skip)
 
     def joined(self, context: Tensor, skip: Tensor) -> Tensor:
         """ReLU of the norm of the resized context plus the skip's convolution, (B, C, H, W)."""
