@@ -218,7 +218,7 @@ show(SMALL)
 show(FULL)
 
 # %% [markdown]
-# In this protocol only `fast-scnn` was counted at the paper's image size:
+# The same rooms and views at the paper's image size, for some of the methods:
 
 # %% tags=["hide-input"]
 show(FAR)
