@@ -181,7 +181,7 @@ plotting.save(
     comparison_figure(Scene(frames[0], first, answers), names),
     "limits_maps",
     caption="A simulated test room, full protocol, σ = 1200: errors in wraps (black: none) and the "
-    "share of right pixels. Our `surfaces` is a method; references know a part of the truth.",
+    "share of right pixels. Our `surfaces` is a method; references are given a part of the truth.",
     alt="A room, its true wraps, and the errors of a method and of three references, which shrink "
     "to the boundaries of wraps.",
     format="png",

@@ -32,7 +32,7 @@ def test_a_full_disk_ends_no_command(monkeypatch):
         raise OSError(28, "No space left on device")
 
     monkeypatch.setattr(IndexDataCacheFile, "save", full)
-    monkeypatch.setattr(compiled, "_warned", False)
+    compiled._warn_uncached.cache_clear()
 
     @compiled.njit()
     def doubled(x):

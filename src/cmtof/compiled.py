@@ -2,7 +2,7 @@
 
 import warnings
 from collections.abc import Callable
-from functools import partial
+from functools import cache, partial
 from typing import Any
 
 import numba
@@ -26,10 +26,9 @@ def njit(**options: Any) -> Callable[[Callable], Any]:
                 raise
             _warn_uncached()
             return numba.njit(**options)(function)
-        if cache := getattr(
-            found, "_cache", None
-        ):  # none while compilation is switched off
-            cache.save_overload = partial(_save_if_possible, cache.save_overload)
+        # none while compilation is switched off
+        if stored := getattr(found, "_cache", None):
+            stored.save_overload = partial(_save_if_possible, stored.save_overload)
         return found
 
     return compiled
@@ -43,16 +42,11 @@ def _save_if_possible(save: Callable, *what: Any) -> None:
         _warn_uncached()
 
 
-_warned = False
-
-
+@cache
 def _warn_uncached() -> None:
     """Warn once per process that compiled code cannot be cached."""
-    global _warned
-    if not _warned:
-        warnings.warn(
-            "Expected a folder to cache compiled code in, got none that can be written: "
-            "every run compiles again. Set NUMBA_CACHE_DIR.",
-            stacklevel=4,
-        )
-    _warned = True
+    warnings.warn(
+        "Expected a folder to cache compiled code in, got none that can be written: "
+        "every run compiles again. Set NUMBA_CACHE_DIR.",
+        stacklevel=4,
+    )

@@ -76,8 +76,7 @@ def skellam_gaussian(
     From the expected counts of the two buckets; mean ``a - b``, variance ``a + b + sigma^2``.
     """
     a, b = np.broadcast_arrays(np.asarray(bucket_a, float), np.asarray(bucket_b, float))
-    _check_counts(a, sigma)
-    _check_counts(b, sigma)
+    _check_counts(np.array([a, b]), sigma)
     difference = (rng.poisson(a) - rng.poisson(b)).astype(float)
     return difference + sigma * rng.standard_normal(a.shape)
 

@@ -3,14 +3,15 @@
 Each surface is off by a number m of wraps. Its beat and shape give m a Gaussian, the network the
 mean of its log-odds over the pixels of the surface, and contacts join surfaces as without it:
 
-``log P(m) = log N(m; mean, spread) + w mean_p log p_p(n_p + m)``.
+``log P(m) = log N(m; mean, spread) + mean_p log p_p(n_p + m)``.
 
-The mean over the pixels counts as ``w`` of them, since a network errs alike on a whole surface.
+All pixels of a surface count as one, since a network errs alike on a whole surface.
 """
 
 from pathlib import Path
 
 import numpy as np
+from scipy.special import log_softmax
 
 from cmtof.correlation import wrap_length
 from cmtof.estimate import Estimate, without_holes, wraps_in_range
@@ -18,27 +19,24 @@ from cmtof.measurement import Measurement
 from cmtof.surfaces import surfaces
 from cmtof.types import Array, Numbers, Single
 
-PIXELS = 1.0  # weight w
 LEAST = -8.0  # log-probability below which the network's is clipped
 
 
 def hybrid(measurement: Measurement, *, weights: Path | None = None) -> Estimate:
     """Surfaces whose wraps a network helps to choose, by its log-odds averaged over each."""
     # not every method needs ONNX Runtime
-    from cmtof.network.inference import bands, log_odds, network_for, output
+    from cmtof.network.inference import log_odds, network_for
 
     network = network_for(measurement, "fast-scnn", weights)
     first, last = wraps_in_range(measurement)
-    period = wrap_length(measurement.frequencies[0])
 
     # 358 wraps need much memory, and surfaces that are grown by then little
     def told(depth, label, offsets):
-        found = output(network, without_holes(measurement), mirrored=True)
         odds = np.empty((last - first + 1, *measurement.shape), np.float16)
-        for part, band in zip(bands(odds), bands(found), strict=True):
-            new = log_odds(network, band, first, last)
-            part[:] = new - np.log(np.exp(new).sum(axis=0))
-        return PIXELS * means_of_surfaces(odds, depth / period - first, label, offsets)
+        for rows, new in log_odds(network, without_holes(measurement), mirrored=True):
+            odds[:, rows] = log_softmax(new, axis=0)
+        turns = depth / wrap_length(measurement.frequencies[0]) - first
+        return means_of_surfaces(odds, turns, label, offsets)
 
     return surfaces(measurement, told=told)
 

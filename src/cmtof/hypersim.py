@@ -216,16 +216,16 @@ def split_views(listed: Iterable[View]) -> dict[str, list[View]]:
     train and val are the official partitions without the scenes of any test frame.
     """
     views = sorted(view for view in listed if view.partition in PARTITIONS)
-    paper_frames = [
-        v for v in views if re.fullmatch(r"ai_\d{3}_001/cam_00/0042", v.name)
-    ]
-    rendered = [
-        v
-        for v in views
-        if v.partition == "test" and not re.match(r"ai_\d{3}_", v.scene)
-    ]
+    first_rendered = {
+        view.scene: view
+        for view in reversed(views)
+        if view.partition == "test" and not re.match(r"ai_\d{3}_", view.scene)
+    }
     test = sorted(
-        [*paper_frames, *{view.scene: view for view in reversed(rendered)}.values()]
+        [
+            *(v for v in views if re.fullmatch(r"ai_\d{3}_001/cam_00/0042", v.name)),
+            *first_rendered.values(),
+        ]
     )
     tested = {view.scene for view in test}
     parts = {

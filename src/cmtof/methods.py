@@ -38,7 +38,7 @@ class Method:
     about: str = ""
     # bytes a pixel of methods that work in tiles when memory is short, and those of each wrap
     memory: int = 0
-    wrap_memory: int = 4
+    wrap_memory: int = 0
     network: str = ""  # whose weights it needs
     # whether its confidence assumes that the beat does not repeat within the range
     one_beat: bool = False
@@ -59,13 +59,13 @@ class Method:
             message = f"{self.name} is untrained: its card shows no gain over a trivial answer."
             warnings.warn(message, stacklevel=3)
         first, last = wraps_in_range(measurement)
-        most = MOST_MEMORY // (self.memory + self.wrap_memory * (last - first + 1))
-        if not self.memory or measurement.mask.size <= most:
+        pixel = self.memory + self.wrap_memory * (last - first + 1)
+        if pixel * measurement.mask.size <= MOST_MEMORY:
             found = self.run(measurement, **options)
         else:
             images = np.empty((2, *measurement.shape))
             side = 64 * max(
-                isqrt(most) // 64 - 8, 2
+                isqrt(MOST_MEMORY // pixel) // 64 - 8, 2
             )  # and 256 around: only `rapid` sees more
             for seen, inner, place in tiles(measurement.dataset, side, 256):
                 images[:, *place] = np.stack(self.run(seen, **options)[:2])[
@@ -114,18 +114,7 @@ def _network_method(
         found = unwrap_with_network(filled, model=model, weights=weights, **usual)
         return confirmed(*found, measurement)
 
-    # the others answer for a few rows at a time, or with a single depth
-    wrap_memory = 4 * (model in ("u-net", "rapid", "fast-scnn-public"))
-    return Method(
-        name,
-        "learned",
-        source,
-        run,
-        about=about,
-        memory=1300,
-        wrap_memory=wrap_memory,
-        network=model,
-    )
+    return Method(name, "learned", source, run, about=about, memory=1300, network=model)
 
 
 def _reference_method(run: Callable[..., Estimate], frequencies: int = 2) -> Method:
@@ -140,9 +129,21 @@ _ALL = (
     Method("crt-closed-form", "classical", "Wang and Xia 2010", crt.crt_closed_form),
     Method("crt-ml", "classical", "Wang et al. 2015", crt.crt_ml),
     Method("phasor", "classical", "Gupta et al. 2015", phasor, tones=(7.15e9, 7.16e9)),
-    Method("kde", "classical", "Järemo Lawin et al. 2016", kde.kde, memory=400),
     Method(
-        "kde-tuned", "classical", "Järemo Lawin et al. 2016", kde.kde_tuned, memory=400
+        "kde",
+        "classical",
+        "Järemo Lawin et al. 2016",
+        kde.kde,
+        memory=400,
+        wrap_memory=4,
+    ),
+    Method(
+        "kde-tuned",
+        "classical",
+        "Järemo Lawin et al. 2016",
+        kde.kde_tuned,
+        memory=400,
+        wrap_memory=4,
     ),
     Method("beat", "classical", "Jongenelen et al. 2010", beat, one_beat=True),
     Method(
@@ -151,19 +152,29 @@ _ALL = (
         "He et al. 2013",
         beat_guided,
         memory=1000,
+        wrap_memory=4,
         one_beat=True,
     ),
     Method(
         "spatial", "classical", "Herraez et al. 2002", region.spatial, frequencies=1
     ),
     Method("region", "classical", "Herraez et al. 2002", region.region, one_beat=True),
-    Method("mrf", "classical", "Hirschmüller 2008", mrf.mrf, memory=320, one_beat=True),
+    Method(
+        "mrf",
+        "classical",
+        "Hirschmüller 2008",
+        mrf.mrf,
+        memory=320,
+        wrap_memory=4,
+        one_beat=True,
+    ),
     Method(
         "mrf-graphcut",
         "classical",
         "Bioucas-Dias, Valadão 2007",
         mrf.mrf_graphcut,
         memory=540,
+        wrap_memory=4,
         one_beat=True,
     ),
     Method("surfaces", "classical", "this project", surfaces, one_beat=True, sets=True),

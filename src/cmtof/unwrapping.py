@@ -2,7 +2,6 @@
 
 import shutil
 from collections.abc import Iterator
-from pathlib import Path
 from typing import Any
 
 import numpy as np
@@ -74,10 +73,7 @@ def unwrap(
         "range_min": measurement.range[0],
         "range_max": measurement.range[1],
         "min_confidence": float(min_confidence),
-        **{
-            f"option_{k}": str(v) if isinstance(v, Path) else v
-            for k, v in options.items()
-        },
+        **{f"option_{name}": value for name, value in options.items()},
         "version": measurement.dataset.attrs.get("version", ""),
     }
     images = _result_variables(estimate, measurement, min_confidence)

@@ -12,6 +12,7 @@ from itertools import product
 
 import onnx
 import torch
+from onnx.external_data_helper import set_external_data
 
 from cmtof.network.features import CLASSES
 from cmtof.network.models import MODELS, Network, build_network
@@ -24,14 +25,15 @@ def graph_of(network: Network) -> bytes:
     """ONNX graph of a network's body, whose weights are named and left out.
 
     It states what it reads and answers. Norms stay apart: ONNX Runtime folds them at its start.
-    The last layer is left out where its answer would be larger than what it reads.
+    Where the last layer's answer would be larger than what it reads, its weights are handed on.
     """
     kind = network.model.features
-    answer = network.target
+    answers = [network.target]
     network.forward = network.body
-    if network.classes > getattr(network, "head_width", network.classes):
-        answer = "before_output"
-        network.forward = network.before_output
+    last = getattr(network, "output", None)
+    if last and last.out_channels > last.in_channels:
+        answers = ["before_output", "weight", "bias"]
+        network.forward = lambda x: (network.before_output(x), last.weight, last.bias)
     for weight in network.state_dict().values():
         if weight.is_floating_point():
             weight.uniform_()  # equal ones would become one
@@ -43,30 +45,19 @@ def graph_of(network: Network) -> bytes:
             written,
             dynamo=False,
             opset_version=OPSET,
-            export_params=False,
             do_constant_folding=False,
             training=torch.onnx.TrainingMode.PRESERVE,  # or names of weights would be lost
             input_names=[kind],
-            output_names=[answer],
-            dynamic_axes={kind: {2: "rows", 3: "columns"}, answer: [2, 3]},
+            output_names=answers,
+            dynamic_axes={kind: {2: "rows", 3: "columns"}, answers[0]: [1, 2, 3]},
         )
     model = onnx.load_from_string(written.getvalue())
-    for weight in model.graph.input[1:]:
-        model.graph.initializer.append(outside(weight))
-    del model.graph.input[1:]
+    for weight in model.graph.initializer:  # handed over when the network is made ready
+        set_external_data(weight, "weights")
+        weight.ClearField("raw_data")
     about = {"features": kind, "target": network.target, "stride": str(network.stride)}
     onnx.helper.set_model_props(model, about)
     return model.SerializeToString(deterministic=True)
-
-
-def outside(weight: onnx.ValueInfoProto) -> onnx.TensorProto:
-    """A weight that is handed over when the network is made ready."""
-    kind = weight.type.tensor_type
-    tensor = onnx.TensorProto(name=weight.name, data_type=kind.elem_type)
-    tensor.dims.extend(side.dim_value for side in kind.shape.dim)
-    tensor.data_location = onnx.TensorProto.EXTERNAL
-    tensor.external_data.add(key="location", value="weights")
-    return tensor
 
 
 def main() -> None:

@@ -7,10 +7,10 @@ both the whole wraps. They are no bounds: neighbours could place small and dark 
 """
 
 from collections.abc import Iterator
+from functools import partial
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 from scipy.ndimage import find_objects, label, uniform_filter
 
 from cmtof.bounds import wrap_probability
@@ -28,6 +28,9 @@ from cmtof.measurement import Measurement
 from cmtof.types import Array, Complex, Flags, Numbers
 
 SIDE = 281  # receptive field of the paper's network as built here, px
+
+# Mean of an image, zero outside, over a square of odd side, px, at each pixel.
+_square_mean = partial(uniform_filter, mode="constant")
 
 
 def reference_depth(measurement: Measurement) -> Estimate:
@@ -144,11 +147,6 @@ def _pool_within(phasors: Complex, surface: Numbers, side: int) -> Pooled:
         phase[place][inside] = np.angle(mean)[inside]
         spread[place][known] = noise[known]
     return Pooled(phase, spread)
-
-
-def _square_mean(image: NDArray, side: int) -> NDArray:
-    """Mean of an image (H, W), zero outside, over a square of odd ``side``, px, at each pixel."""
-    return uniform_filter(image, side, mode="constant")
 
 
 def _pieces(surface: Numbers) -> Iterator[tuple[Any, Flags]]:

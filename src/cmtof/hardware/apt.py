@@ -83,7 +83,7 @@ class Motor(Device):
         self.scale = scale or kind.scale / unit  # counts per m or rad
         self.tolerance = unit * kind.tolerance
         self.MODELS = tuple(kind.models)  # type: ignore[misc]
-        self.LIMITS = {"position": (unit * kind.travel[0], unit * kind.travel[1])}  # type: ignore[misc]
+        self.LIMITS = {"position": tuple(unit * end for end in kind.travel)}  # type: ignore[misc]
         self._unpacker = apt.Unpacker(port)
         self._speeds_set = False
 

@@ -18,7 +18,11 @@ def states_of(bench: Bench) -> Iterator[tuple[str, str]]:
         if role in ("plate_emission", "plate_detection", "stage"):
             yield (
                 "",
-                _reply(lambda one=device: _position_text(one.homed, one.position)),
+                _reply(
+                    lambda one=device: (
+                        f"at {one.position:.6g}, homed" if one.homed else "not homed"
+                    )
+                ),
             )
     for channel in bench.rig.clock_channels:
         yield (
@@ -33,15 +37,13 @@ def states_of(bench: Bench) -> Iterator[tuple[str, str]]:
     )
     yield (
         "interlock",
-        _reply(lambda: _interlock_text(bench.daq.line(bench.rig.line("interlock")))),
-    )
-
-
-def _interlock_text(closed: bool) -> str:
-    return (
-        "closed"
-        if closed
-        else "Expected it closed, got it open. Close doors and covers."
+        _reply(
+            lambda: (
+                "closed"
+                if bench.daq.line(bench.rig.line("interlock"))
+                else "Expected it closed, got it open. Close doors and covers."
+            )
+        ),
     )
 
 
@@ -49,10 +51,6 @@ def _rf_text(status: RfStatus) -> str:
     words = ["RF on" if status.on else "RF off"]
     words += ["locked"] * status.locked + ["tripped"] * status.tripped
     return ", ".join(words)
-
-
-def _position_text(homed: bool, position: float) -> str:
-    return f"at {position:.6g}, homed" if homed else "not homed"
 
 
 def _reply(ask: Callable[[], str]) -> str:

@@ -230,10 +230,10 @@ def open_rooms(config: Config, tree: Path | None, folder: Path) -> Packs:
 def _pack_of_leaves(config: Config) -> Pack:
     """Leaves to validate on."""
     side = config.stages[-1].crop
-    crops = []
-    for k in range(config.validation_views):
-        rng = np.random.default_rng([99, k])
-        crops.append(leaves(rng, side, config.protocol))
+    crops = [
+        leaves(np.random.default_rng([99, k]), side, config.protocol)
+        for k in range(config.validation_views)
+    ]
     depth, light = map(np.stack, zip(*crops, strict=True))
     return Pack(depth, light, np.full(len(crops), RELEASED_FAR_DEPTH))
 

@@ -6,6 +6,7 @@ weights are those of `cmtof.network.weights`, which training goes on from. torch
 
 import gzip
 import os
+from collections.abc import Iterator
 from dataclasses import dataclass, field
 from functools import lru_cache
 from pathlib import Path
@@ -55,15 +56,11 @@ create_and_register_allocator(
 
 @dataclass(frozen=True)
 class Ready:
-    """A network that can run: a unique name, its card and its weights.
-
-    ``last`` are those of the last layer, a 1×1 convolution, if its graph ends before it.
-    """
+    """A network that can run: a unique name, its card and its weights."""
 
     name: str
     card: Card = field(compare=False)
     weights: dict[str, Array] = field(compare=False)
-    last: list[Array] = field(compare=False)
 
 
 def read_graph(card: Card) -> bytes:
@@ -78,15 +75,11 @@ def load_network(path: Path) -> Ready:
     """Network with the weights of a file; a ValueError if file or card cannot be used."""
     arrays, card = read_weights(path)
     # a fork does not copy the threads of a session
-    name = f"{card.model}.{card.protocol} {card.sha256} {os.getpid()}"
-    last = []
+    ready = Ready(
+        f"{card.model}.{card.protocol} {card.sha256} {os.getpid()}", card, arrays
+    )
     try:
-        if b"before_output" in read_graph(card):
-            last = [arrays.pop(f"output.{kind}") for kind in ("weight", "bias")]
-        ready = Ready(name, card, arrays, last)
-        channels = session(ready).get_outputs()[0].shape[1]
-        if last and last[0].shape[:2] != (card.classes, channels):
-            raise Refused(f"a last layer {last[0].shape}")
+        about(ready)
     except Exception as error:  # ONNX Runtime raises a dozen kinds
         raise refused(path, card, error) from error
     return ready
@@ -134,18 +127,21 @@ def unwrap_with_network(
     Returned are depth, m, and the probability of the chosen class, of a regression the share of
     right wraps in validation; both (H, W).
     """
-    first, last = wraps_in_range(measurement)
+    first, _ = wraps_in_range(measurement)
     ready = network_for(measurement, model, weights)
     card = ready.card
     if about(ready)["target"] == "depth":
-        turns = card.first_wrap + card.classes * (
-            0.5 + output(ready, measurement, mirrored)[0]
-        )
-        depth = turns * wrap_length(FREQUENCIES[0])
+        turns = card.classes * (0.5 + output(ready, measurement, mirrored)[0])
+        depth = (card.first_wrap + turns) * wrap_length(FREQUENCIES[0])
         confidence = np.full_like(depth, card.validation.delta_lt_1)
     else:
-        found = output(ready, measurement, mirrored)
-        wraps, confidence = likeliest(ready, found, first, last)
+        wraps = np.full(measurement.shape, first)
+        confidence = np.empty(wraps.shape, np.float32)
+        for rows, odds in log_odds(ready, measurement, mirrored):
+            # 15 times as fast as an argmax of 358 wraps; of equal odds the lowest wrap's count
+            for number in reversed(range(len(odds))):
+                wraps[rows][odds[number] == 0] = first + number
+            confidence[rows] = 1 / np.exp(odds, out=odds).sum(0)  # a softmax, in place
         depth = depth_from_wraps(measurement.phase[0], wraps, FREQUENCIES[0])
     return within_range(depth, measurement), confidence
 
@@ -171,29 +167,15 @@ def network_for(
     return ready
 
 
-def likeliest(ready: Ready, found: Single, first: int, last: int) -> Arrays:
-    """Likeliest wrap of each pixel out of ``first <= n <= last``, and its probability, (H, W)."""
-    answers = np.empty((2, *found.shape[1:]))
-    for band, answer in zip(bands(found), bands(answers), strict=True):
-        odds = log_odds(ready, band, first, last)
-        # 15 times as fast as an argmax of 358 wraps; of equal odds the lowest wrap's count
-        for number in reversed(range(len(odds))):
-            answer[0, odds[number] == 0] = first + number
-        answer[1] = 1 / np.exp(odds, out=odds).sum(0)  # a softmax, in place
-    return answers
+def log_odds(
+    ready: Ready, measurement: Measurement, mirrored: bool = False
+) -> Iterator[tuple[slice, Single]]:
+    """Rows of the image, h at a time, and log-odds (N, h, W) of the wraps in range.
 
-
-def bands(images: Array) -> list[Array]:
-    """Views of rows of images (C, H, W), at most 2^14 px each, whose odds stay in the cache."""
-    return np.array_split(images, images[0].size // 2**14 + 1, axis=1)
-
-
-def log_odds(ready: Ready, found: Single, first: int, last: int) -> Single:
-    """Log-odds (N, H, W) of the wraps ``first <= n <= last`` against the likeliest of each pixel.
-
-    They follow from rows (C, H, W) of the network's `output`; a ValueError is raised if it does
-    not distinguish all of these wraps.
+    Odds are against the likeliest wrap of each pixel. Raises a ValueError if the network does not
+    distinguish all wraps in range.
     """
+    first, last = wraps_in_range(measurement)
     card = ready.card
     low = card.first_wrap
     stop = low + card.classes
@@ -202,20 +184,25 @@ def log_odds(ready: Ready, found: Single, first: int, last: int) -> Single:
             f"Expected wraps within {low} to {stop - 1}, which {card.model} distinguishes, "
             f"got {first} to {last}. Narrow the range."
         )
-    odds = last_layer(ready, found, np.s_[first - low : last - low + 1])
-    odds -= odds.max(0)
-    return odds
+    found = output(ready, measurement, mirrored)
+    step = max(2**14 // found.shape[2], 1)  # odds of more rows would leave the cache
+    for top in range(0, found.shape[1], step):
+        rows = slice(top, top + step)
+        odds = last_layer(ready, found[:, rows])[first - low : last - low + 1]
+        odds -= odds.max(0)
+        yield rows, odds
 
 
-def last_layer(ready: Ready, found: Single, classes: slice = np.s_[:]) -> Single:
-    """Values (N, H, W) of some classes, from the `output` (C, H, W) of a network.
+def last_layer(ready: Ready, found: Single) -> Single:
+    """Values (N, H, W) of all classes, from the `output` (C, H, W) of a graph.
 
-    Where its graph ends before the last layer, as for 358 classes, that is applied here.
+    That of 358 classes ends before the network's last layer, and hands on the layer's weights.
     """
-    if not ready.last:
-        return found[classes]
-    weight, bias = (x[classes].astype(np.float32) for x in ready.last)
-    return np.tensordot(weight[..., 0, 0], found, 1) + bias[:, None, None]
+    if len(session(ready).get_outputs()) == 1:
+        return found
+    weight = ready.weights["output.weight"][..., 0, 0]
+    bias = ready.weights["output.bias"]
+    return np.tensordot(weight, found, 1) + bias[:, None, None]
 
 
 def network_images(measurement: Measurement, kind: str) -> list[Single]:
@@ -282,5 +269,5 @@ def run_padded(ready: Ready, inputs: Single) -> Single:
     network = session(ready, inputs.shape[-2:])
     options = RunOptions()  # memory beyond the shared 256 MiB is freed at once
     options.add_run_config_entry("memory.enable_memory_arena_shrinkage", "cpu:0")
-    (found,) = network.run(None, {metadata["features"]: inputs}, options)
+    found = network.run(None, {metadata["features"]: inputs}, options)[0]
     return found[0, :, :height, :width]

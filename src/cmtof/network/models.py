@@ -46,7 +46,8 @@ class Network(nn.Module):
     """Network from features (B, C, H, W) of any size to weights of classes (B, N, H, W).
 
     For the target ``"depth"`` to depth (B, 1, H, W), wraps above the first class; ``stride`` that
-    of the coarsest features, px, ``reach`` how far a pixel sees, a multiple of the stride.
+    of the coarsest features, px, ``reach`` how far a pixel sees, a multiple of the stride. Most end
+    with a layer ``output``, which reads the images of `before_output`.
     """
 
     target = "wraps"
@@ -62,7 +63,10 @@ class Network(nn.Module):
 
     def build(self) -> None: ...
 
-    def body(self, x: Tensor) -> Tensor: ...
+    def body(self, x: Tensor) -> Tensor:
+        return self.output(self.before_output(x))
+
+    def before_output(self, x: Tensor) -> Tensor: ...
 
     def forward(self, x: Tensor) -> Tensor:
         height, width = x.shape[-2:]
@@ -126,21 +130,14 @@ class FastSCNN(Network):
         self.norm = nn.BatchNorm2d(self.head_width)
         self.output = nn.Conv2d(self.head_width, self.outputs, 1)
 
-    def body(self, x: Tensor) -> Tensor:
-        return self.output(self.before_output(x))
-
     def before_output(self, x: Tensor) -> Tensor:
-        """Features (B, 64, H, W) of each pixel, from which the output is made."""
         skip = self.stem(x)  # (B, 32, H, W)
         down = self.down(skip)  # (B, 64, H/4, W/4)
         deep = self.deep(self.pyramid(self.extract(down)))  # (B, 128, H/8, W/8)
         context = self.classify(functional.relu(resized(deep, down) + self.fine(down)))
-        return self.joined(context, skip)
-
-    def joined(self, context: Tensor, skip: Tensor) -> Tensor:
-        """ReLU of the norm of the resized context plus the skip's convolution, (B, C, H, W)."""
         if self.norm.training:
             return functional.relu(self.norm(resized(context, skip) + self.skip(skip)))
+        # the norm goes into both summands
         scale, offset = (x.view(-1, 1, 1, 1) for x in scale_and_offset(self.norm))
         context = (context * scale[..., 0] + offset[..., 0]).to(context.dtype)
         fine = self.skip._conv_forward(skip, self.skip.weight * scale, None)
@@ -275,7 +272,7 @@ class UNet(Network):
     def level(self, i: int, o: int) -> nn.Module:
         return nn.Sequential(conv(i, o), conv(o, o))
 
-    def body(self, x: Tensor) -> Tensor:
+    def before_output(self, x: Tensor) -> Tensor:
         skips: list[Tensor] = []
         for level in self.down:
             x = level(functional.max_pool2d(x, 2) if skips else x)
@@ -283,7 +280,7 @@ class UNet(Network):
         x = skips.pop()
         for rise, level in zip(self.rise, self.up, strict=True):
             x = level(torch.cat([skips.pop(), rise(x)], 1))
-        return self.output(x)
+        return x
 
 
 class OneStep(UNet):
@@ -319,11 +316,11 @@ class DeepToF(Network):
         )
         self.output = nn.Conv2d(16, self.outputs, 7, padding=3)
 
-    def body(self, x: Tensor) -> Tensor:
+    def before_output(self, x: Tensor) -> Tensor:
         full = self.stem(x)
         half = self.down[0](full)
         half = half + self.up[0](self.middle(self.down[1](half)))
-        return self.output(full + self.up[1](half))
+        return full + self.up[1](half)
 
 
 class Rapid(Network):
@@ -350,7 +347,7 @@ class Rapid(Network):
         self.decoder = nn.Sequential(conv(80 + 24, 64), conv(64, 64))
         self.output = nn.Conv2d(64, self.outputs, 1)
 
-    def body(self, x: Tensor) -> Tensor:
+    def before_output(self, x: Tensor) -> Tensor:
         fine = self.fine(self.stem(x))
         deep = self.coarse(fine)
         mean = functional.relu(self.whole(deep.mean((-2, -1), keepdim=True)))
@@ -358,7 +355,7 @@ class Rapid(Network):
         far = (far(deep) for far in self.far)
         atrous = self.join(torch.cat([near, *far, mean.expand_as(near)], 1))
         decoded = self.decoder(torch.cat([resized(atrous, fine), self.skip(fine)], 1))
-        return self.output(resized(decoded, x))
+        return resized(decoded, x)
 
 
 # The rows of Table 1, one that costs less, and the baselines: all read raw correlations.

@@ -1,12 +1,10 @@
 """Muon: an optimiser that orthogonalises the momentum of kernels (Jordan et al. 2024)."""
 
-from collections.abc import Callable, Iterable
+from collections.abc import Callable
 from typing import Any
 
 import torch
 from torch import Tensor
-
-from cmtof.types import Fields
 
 # Share of the old momentum that stays in a step.
 MOMENTUM = 0.95
@@ -18,14 +16,11 @@ class Muon(torch.optim.AdamW):
     Steps are scaled as large as AdamW's are, so that one learning rate fits both (Liu et al. 2025).
     """
 
-    def __init__(self, groups: Iterable[Fields], **options: Any) -> None:
-        super().__init__([{"orthogonal": False} | group for group in groups], **options)
-
     def step(self, closure: Callable[[], Any] | None = None) -> Any:
         """One step; the closure evaluates loss and gradients."""
         loss = closure() if closure is not None else None
         for group in self.param_groups:
-            if group["orthogonal"]:
+            if group.get("orthogonal"):
                 for kernel in group["params"]:
                     self._update_kernel(kernel, group["lr"], group["weight_decay"])
         super().step()  # skips parameters without a gradient
@@ -53,10 +48,10 @@ def orthogonal(matrix: Tensor) -> Tensor:
 
     Singular values of one tenth to one of the largest become 0.7 to 1.2.
     """
-    wide = matrix.shape[0] <= matrix.shape[1]
-    x = matrix if wide else matrix.T
-    x = x / (x.norm() + 1e-7)
+    if matrix.shape[0] > matrix.shape[1]:
+        return orthogonal(matrix.T).T
+    x = matrix / (matrix.norm() + 1e-7)
     for _ in range(5):
         square = x @ x.T
         x = 3.4445 * x + (-4.775 * square + 2.0315 * square @ square) @ x
-    return x if wide else x.T
+    return x

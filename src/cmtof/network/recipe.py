@@ -106,7 +106,8 @@ class Config(Strict):
     def rate_at(self, step: int) -> float:
         """Learning rate at a step: linear within its stage, and rising in its first steps."""
         stage, share = self.stage_at(step)
-        rate = stage.rate[0] + (stage.rate[1] - stage.rate[0]) * share
+        first, last = stage.rate
+        rate = first + (last - first) * share
         return rate * min(1.0, (share * stage.steps + 1) / stage.warm)
 
 

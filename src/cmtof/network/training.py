@@ -197,9 +197,9 @@ class Unwrapping(LightningModule):
         """Fields of a `Card`: rates of averaged weights and of trivial answers, and the gain."""
         ours, labels = zip(*self.errors(), strict=True)
         mode = int(np.bincount(np.concatenate(labels)).argmax())
-        constants = {"middle": self.average.classes // 2, "mode": mode}
         others = {
-            name: [abs(n - true) for true in labels] for name, n in constants.items()
+            "middle": [abs(self.average.classes // 2 - true) for true in labels],
+            "mode": [abs(mode - true) for true in labels],
         }
         trivial = {name: _rates(deltas) for name, deltas in others.items()}
         best = max(trivial, key=lambda name: trivial[name].delta_lt_1)

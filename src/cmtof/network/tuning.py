@@ -73,10 +73,8 @@ def fine_tune(
 class Tuner:
     """Copy of a network that is fine-tuned, its optimiser, and the average of its weights."""
 
-    losses: list[float]  # of each step, before the weights learn from it
-
     def __init__(self, network: Network, steps: int, rate: float) -> None:
-        self.losses = []
+        self.losses: list[float] = []  # of each step, before the weights learn from it
         self.average = deepcopy(network).requires_grad_(False)
         self.network = deepcopy(network).to(memory_format=torch.channels_last).train()
         for layer in norms(self.network):

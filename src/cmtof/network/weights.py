@@ -14,6 +14,7 @@ from numpy.typing import NDArray
 from pydantic import BaseModel, ConfigDict, Field, PositiveInt
 
 from cmtof.files import check_input, small_file, written_whole
+from cmtof.frame import broken
 from cmtof.network.features import CLASSES
 from cmtof.types import Fields, Texts, Values
 from cmtof.validation import checked
@@ -104,12 +105,10 @@ def find_weights(model: str, first: int, last: int, folder: Path = FOLDER) -> Pa
 
 def halved(network: Network) -> dict[str, Tensor]:
     """Weights by name in half precision; statistics of norms in single, for their range."""
-    tensors = {
-        name: tensor.cpu().contiguous() for name, tensor in network.state_dict().items()
-    }
     single = ("running_mean", "running_var", "num_batches_tracked")
     return {
-        name: w if name.endswith(single) else w.half() for name, w in tensors.items()
+        name: (w if name.endswith(single) else w.half()).cpu().contiguous()
+        for name, w in network.state_dict().items()
     }
 
 
@@ -165,9 +164,12 @@ def read_weights(path: Path) -> tuple[dict[str, NDArray], Card]:
 
 def refused(path: Path, card: Card, error: Exception) -> ValueError:
     """ValueError for weights that cannot be used, with the reason."""
-    what = f"finite weights of {card.model} in {path} that fit their card"
-    got = f"got others ({str(error).splitlines()[0]}). Fetch or train them again."
-    return ValueError(f"Expected {what}, {got}")
+    return broken(
+        f"finite weights of {card.model} that fit their card",
+        path,
+        error,
+        "Fetch or train them again.",
+    )
 
 
 def load_weights(path: Path) -> Trained:
