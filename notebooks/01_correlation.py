@@ -293,7 +293,7 @@ against_drive = {
 
 # %% tags=["hide-input"]
 micron_per_mrad = 1e6 * float(depth_from_phase(1e-3, frequency))
-table4 = 1e6 * paper.published("table4.proposed.rmse_mirror").value
+table4 = 1e6 * paper.published_number("table4.proposed.rmse_mirror").value
 figure, axes = plt.subplots(1, 2, figsize=(8.4, 3.9))
 for eta in waves:
     axes[0].plot(angle, error[eta, 4], label=f"η = {eta:.2f}, K = 4")

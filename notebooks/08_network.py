@@ -39,7 +39,7 @@ import cmtof
 from cmtof import bounds
 from cmtof.constants import FREQUENCIES
 from cmtof.correlation import TAU, depth_from_wraps
-from cmtof.evaluation import measured, rates, read_counts
+from cmtof.evaluation import measure_frame, rates, read_counts
 from cmtof.frame import held_out_frames
 from cmtof.network.features import CLASSES, FEATURE_SETS, features, fourier_features
 from cmtof.network.inference import load_network, run_padded
@@ -85,7 +85,7 @@ with torch.inference_mode():
 
 # %% tags=["hide-input"]
 frame = held_out_frames()[place].middle(height, width)
-given = measured(frame, ["fast-scnn"], number=place, seed=seed)["fast-scnn"]
+given = measure_frame(frame, ["fast-scnn"], number=place, seed=seed)["fast-scnn"]
 wraps = cmtof.unwrap(given, method="fast-scnn")["wrap_count"].to_numpy()
 figure, axes = plt.subplot_mosaic("ab\ncc", figsize=(8.4, 6.6))
 plotting.phase_image(
@@ -507,7 +507,7 @@ print(f"light less full, δ < 1: {spread(apart, 0, '+')} points")
 
 # %% tags=["hide-input"]
 names = [*trained, "beat"]
-given = measured(frame, names, number=place, seed=seed)
+given = measure_frame(frame, names, number=place, seed=seed)
 answers = {name: cmtof.unwrap(one, method=name) for name, one in given.items()}
 scene = Scene(frame, given["beat"], answers)
 shares = ", ".join(f"{name} {scene.right(name):.0%}" for name in names)
@@ -579,7 +579,7 @@ for name in TIMED:
         run = made(name)
         taken[f"{name}, {kind}"] = [1e3 * seconds(name, size, run) for size in SIZES]
 stated = [
-    1e3 * paper.published(key).value
+    1e3 * paper.published_number(key).value
     for key in ("sec8.runtime_256", "sec8.runtime_full")
 ]
 rows = taken | {"the paper's, V100": stated}

@@ -27,7 +27,7 @@ import numpy as np
 import cmtof
 from cmtof import bounds
 from cmtof.constants import FREQUENCIES
-from cmtof.evaluation import measured, rates, read_counts, scored_pixels
+from cmtof.evaluation import measure_frame, rates, read_counts, scored_pixels
 from cmtof.frame import held_out_frames
 from cmtof.methods import METHODS
 from cmtof.network.weights import read_card, weights_path
@@ -64,7 +64,7 @@ scenes = []
 beliefs = {name: [] for name in ready}
 for place in places:
     frame = frames[place].middle(height, width)
-    given = measured(frame, ready, number=place, seed=seed)
+    given = measure_frame(frame, ready, number=place, seed=seed)
     answers = {name: cmtof.unwrap(m, method=name) for name, m in given.items()}
     scenes.append(Scene(frame, given["beat"], answers))
     for name, answer in answers.items():
@@ -181,7 +181,10 @@ found = {
     if held
 }
 theirs = {
-    name: [100 * paper.published(f"table2.{row}.delta_lt_{k}").value for k in (1, 2, 3)]
+    name: [
+        100 * paper.published_number(f"table2.{row}.delta_lt_{k}").value
+        for k in (1, 2, 3)
+    ]
     for row, name in PAPERS.items()
 }
 
@@ -354,7 +357,7 @@ for row, name in PAPERS.items():
     for column, share in shares.items():
         key = f"table2.{row}.{column}"
         paper.check(key, share, crops=crops.get(name, 0))
-        inside.append(share[1] <= paper.published(key).value <= share[2])
+        inside.append(share[1] <= paper.published_number(key).value <= share[2])
 for name in ("crt", "kde"):
     outliers = {
         f"with {wraps} possible wraps": np.array(found[key][name])[:, 3]

@@ -115,7 +115,9 @@ for (name, row), found in table3.items():
         ]
     )
 for row in ROWS:
-    theirs = [100 * paper.published(f"table3.{row}.{key}").value for key in LIMITS]
+    theirs = [
+        100 * paper.published_number(f"table3.{row}.{key}").value for key in LIMITS
+    ]
     label = ["*the paper's network*", row.replace("_", " ")]
     cells.append([*label, *(f"{x:.1f}" for x in theirs), ""])
 notes.table(

@@ -29,7 +29,7 @@ from cmtof.modulator import doubled_mode_harmonics, single_mode_harmonics
 from cmtof_book import notes, paper, plotting
 from cmtof_book.compared import sum_over_draws
 from cmtof_lab.electronics import Chain, density
-from cmtof_lab.rehearsal import opened, rig_of, simulated_bench
+from cmtof_lab.rehearsal import open_bench, rig_of, simulated_bench
 from cmtof_lab.settings import NOISE, TwinSettings
 
 plotting.begin(profile=profile, seed=seed)
@@ -83,7 +83,7 @@ dark = {}
 power = {}
 rough = {}
 reading = replace(base, phases=PHASES)
-with opened(rig, reading, mirror, known, seed=seed) as bench:
+with open_bench(rig, reading, mirror, known, seed=seed) as bench:
     bench.set_up()
     gain = Gain(*bench.daq.gain())
     for mode in ORDER:

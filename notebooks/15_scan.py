@@ -26,7 +26,7 @@ import numpy as np
 import cmtof
 from cmtof.constants import SPEED_OF_LIGHT
 from cmtof.correlation import TAU, centred, decode, phase_from_depth, wrap_length
-from cmtof.hardware.plan import MODES, planned
+from cmtof.hardware.plan import MODES, plan_scan
 from cmtof.hardware.rig import Rig
 from cmtof.hardware.scan import scan
 from cmtof.measurement import Measurement
@@ -52,7 +52,7 @@ def typical(error):
 
 # %%
 rig = replace(Rig.default(), field_of_view_deg=(field_of_view_deg, field_of_view_deg))
-plan = planned(rig, size=size)
+plan = plan_scan(rig, size=size)
 with tempfile.TemporaryDirectory() as folder:
     file = Path(folder, "m.nc")
     measurement = scan(plan, lambda: simulated_bench(rig, scene, seed=seed), file)
@@ -110,8 +110,8 @@ for mode in MODES:
     label = next(one for one in plan.lines if one[1:4] == (mode, "scan", row)).labels[
         column
     ]
-    raw[mode] = bench.bursts([label], [bench.aimed(plan.angles[row, column])])
-bench.shut()
+    raw[mode] = bench.bursts([label], [bench.mirror_voltages(plan.angles[row, column])])
+bench.close_and_park()
 
 # %% tags=["hide-input"]
 figure, axes = plt.subplots(1, 2, figsize=(8.4, 3.5))

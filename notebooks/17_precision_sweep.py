@@ -34,10 +34,10 @@ from cmtof_book.compared import closed_form
 from cmtof_lab.interferometer import Interferometer
 from cmtof_lab.optical_ranging import OpticalRanger
 from cmtof_lab.optics import sent_power
-from cmtof_lab.rehearsal import opened, rig_of
+from cmtof_lab.rehearsal import open_bench, rig_of
 from cmtof_lab.rf_ranging import RfRanger
 from cmtof_lab.settings import NOISE, TwinSettings
-from cmtof_lab.sweep import FREQUENCY, POSITIONS, collected_power, parts, visited
+from cmtof_lab.sweep import FREQUENCY, POSITIONS, collected_power, parts, zero_positions
 from cmtof_lab.targets import MIRROR, PLATE
 
 plotting.begin(profile=profile, seed=seed)
@@ -123,7 +123,7 @@ def days_text(values):
 def published(name, what):
     """RMSE and MAE that the paper prints, m."""
     return [
-        paper.published(f"table4.{AXES[name]}.{n}_{what}").value
+        paper.published_number(f"table4.{AXES[name]}.{n}_{what}").value
         for n in ("rmse", "mae")
     ]
 
@@ -210,7 +210,7 @@ notes.table(
 # tried «with the same result»; and RF without correction of its offsets.
 
 # %% tags=["hide-input"]
-ratio_30 = paper.published("sec8.laser_power_ratio").value
+ratio_30 = paper.published_number("sec8.laser_power_ratio").value
 bright = replace(settings, laser_power=ratio_30 * settings.laser_power)
 more = {
     "all-optical, zero at the first position": OpticalRanger(
@@ -270,7 +270,7 @@ def most_scatter(name, what):
     """Scatter, m, that RMSE and MAE leave when all rounding is in its favour."""
     (root, mean) = published(name, what)
     key = f"table4.{AXES[name]}.rmse_{what}"
-    digit = paper.published(key).tolerance
+    digit = paper.published_number(key).tolerance
     return np.sqrt((root + digit) ** 2 - (mean - digit) ** 2)
 
 
@@ -429,7 +429,9 @@ def lost(rms):
 
 
 fringes_20 = (
-    2 * paper.published("table4.interferometry.rmse_mirror").value / ruler.wavelength
+    2
+    * paper.published_number("table4.interferometry.rmse_mirror").value
+    / ruler.wavelength
 )
 rms_for = brentq(lambda rms: lost(rms) - fringes_20, 5e-8, 1.5e-7)
 print(f"20 µm are {fringes_20:.0f} fringes, lost in 1 mm at {1e9 * rms_for:.0f} nm rms")
@@ -449,11 +451,11 @@ print(f"20 µm are {fringes_20:.0f} fringes, lost in 1 mm at {1e9 * rms_for:.0f}
 # next the interferometer knows its phase within a fringe only, so its error is below 133 nm.
 
 # %% tags=["hide-input"]
-places = np.append(visited(optical.visits), POSITIONS)
+places = np.append(zero_positions(optical.visits), POSITIONS)
 ways = {"all-optical": "reference", "RF": "rf", "interferometer": "interferometer"}
 wiring = rig_of(rig, **({} if rig else {"flip_mirror": "photodiode"}))
 day = {}
-with opened(rig, wiring, settings=settings, seed=seed) as bench:
+with open_bench(rig, wiring, settings=settings, seed=seed) as bench:
     bench.set_up()
     for number, (name, way) in enumerate(ways.items()):
         seen = sweep(bench, way, places, label=1 + 1000 * number)

@@ -31,7 +31,7 @@ from cmtof_lab.budget import (
     budget_terms,
     noise_terms,
     phase_terms,
-    simulated,
+    simulated_errors,
 )
 from cmtof_lab.optical_ranging import OpticalRanger
 from cmtof_lab.optics import aperture_area, sent_power, speckle_cells, spot_radius
@@ -49,7 +49,7 @@ MODES = {"single": "C0", "doubled": "C1"}
 DRAWN = ("RF leakage", "laser drift")  # terms by Monte Carlo
 terms = {mode: budget_terms(target, mode, days=days, seed=seed) for mode in MODES}
 whole = {
-    (name, mode): simulated(known, what, mode, days=days_together, seed=seed)
+    (name, mode): simulated_errors(known, what, mode, days=days_together, seed=seed)
     for name, what in targets.items()
     for mode in MODES
 }
@@ -225,8 +225,8 @@ live.show(f'<div data-play="distance" data-numbers="{escape(held)}"></div>')
 # constant error, or 7.5 µm of scatter. A cyclic error is taken at its maximum.
 
 # %% tags=["hide-input"]
-wanted = paper.published("fig13.accuracy").value
-spread = paper.published("fig13.standard_deviation").value
+wanted = paper.published_number("fig13.accuracy").value
+spread = paper.published_number("fig13.standard_deviation").value
 phase = phase_from_depth(wanted, FREQUENCY["single"])
 jitter = phase_from_depth(spread, FREQUENCY["single"])
 radius = spot_radius(known, 1.0) * target.distance

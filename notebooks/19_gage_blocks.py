@@ -222,7 +222,7 @@ for label, values in (
     ("captures' noise", rough[:, 2]),
 ):
     right.hist(1e6 * (values - step), bins, alpha=0.6, label=label)
-plotting.mark(right, x=1e6 * (paper.published("fig14.height").value - step))
+plotting.mark(right, x=1e6 * (paper.published_number("fig14.height").value - step))
 right.set(xlabel="step − 500 µm (µm)", ylabel="scans", title="both modes together")
 right.margins(y=0.4)
 right.legend()
@@ -317,7 +317,7 @@ for m, mode in enumerate(MODES):
         color=COLOURS[mode],
         bound=(1e3 * reach, law**2 / (law**2 + reach**2)),
     )
-paper_r2 = paper.published("fig14.r_squared").value
+paper_r2 = paper.published_number("fig14.r_squared").value
 plotting.mark(axes[1], y=1 - paper_r2, text="the paper")
 axes[0].set(
     xlabel="slope g", ylabel="noise of a point (µm)", title="what the fit leaves"

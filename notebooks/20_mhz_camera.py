@@ -262,7 +262,7 @@ plotting.save(
 # instruments, not for a pixel.
 
 # %% tags=["hide-input"]
-time = paper.published("sec7.integration_time").value
+time = paper.published_number("sec7.integration_time").value
 pixels = np.prod(camera.shape)
 electrons = 4 * camera.signal(card(0.5))[0, 0]
 sent = sent_power(twin) * time, camera.power * camera.exposure / pixels

@@ -253,7 +253,7 @@ def picture(name):
     normal = normals_from_points(points)
     way = lamp - points
     far = np.linalg.norm(way, axis=-1)
-    shade = scenes[name].hidden(np.nan_to_num(points), lamp)
+    shade = scenes[name].is_hidden(np.nan_to_num(points), lamp)
     lit = np.clip((normal * way).sum(-1) / far**3, 0, None) * ~shade
     up = -(rays - 2 * (rays * normal).sum(-1, keepdims=True) * normal)[..., 1]
     mirrored = hits.mirrored * 0.3 * (1 + np.tanh(3 * up))

@@ -53,7 +53,7 @@ holds = {}  # outcome of each check
 
 def said(key):
     """A number of the paper."""
-    return paper.published(key).value
+    return paper.published_number(key).value
 
 
 # %% [markdown]

@@ -10,7 +10,7 @@ from cmtof.correlation import wrap_length
 from cmtof.evaluation import (
     Evaluation,
     Tally,
-    measured,
+    measure_frame,
     rates,
     read_counts,
     score,
@@ -93,7 +93,7 @@ def test_a_frame_at_which_a_method_fails_counts_for_none(tilted_wall, monkeypatc
 
 
 def test_other_frequencies_are_scored_over_the_same_pixels(tilted_wall):
-    given = measured(tilted_wall, ["beat", "phasor", "crt"], seed=1)
+    given = measure_frame(tilted_wall, ["beat", "phasor", "crt"], seed=1)
     assert given["beat"] is given["crt"]
     assert given["phasor"].frequencies.tolist() == [7.15e9, 7.16e9]
     assert_array_equal(given["phasor"].mask, given["beat"].mask)

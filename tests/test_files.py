@@ -7,17 +7,17 @@ from concurrent.futures import ThreadPoolExecutor
 import pytest
 from pytest import mark, raises
 
-from cmtof.files import check_output, read_document, written_whole
+from cmtof.files import atomic_output, check_output, read_document
 
 
 def test_a_file_appears_whole_or_not_at_all(tmp_path):
     target = tmp_path / "a.txt"
     target.write_text("old")
-    with raises(RuntimeError), written_whole(target) as part:
+    with raises(RuntimeError), atomic_output(target) as part:
         part.write_text("half")
         raise RuntimeError
     assert target.read_text() == "old"
-    with written_whole(target) as part:
+    with atomic_output(target) as part:
         assert part.match(f".a.part-{os.getpid()}-*.txt")
         part.write_text("new")
     assert target.read_text() == "new"
@@ -30,7 +30,7 @@ def test_a_link_and_who_may_read_its_file_stay(tmp_path):
     real.write_text("old")
     real.chmod(0o600)
     link.symlink_to(real)
-    with written_whole(link) as part:
+    with atomic_output(link) as part:
         part.write_text("new")
         assert part.stat().st_mode & 0o777 == 0o600
     assert link.is_symlink()
@@ -40,7 +40,7 @@ def test_a_link_and_who_may_read_its_file_stay(tmp_path):
 
 def test_threads_that_write_one_file_lose_none(tmp_path):
     def write(number):
-        with written_whole(tmp_path / "a.txt") as part:
+        with atomic_output(tmp_path / "a.txt") as part:
             part.write_text(str(number))
         return number
 
@@ -56,7 +56,7 @@ def test_what_a_killed_process_left_is_removed(tmp_path, process, age, left):
     lost = tmp_path / f".a.part-{process}-0.txt"
     lost.touch()
     os.utime(lost, (time.time() - age,) * 2)
-    with written_whole(tmp_path / "a.txt") as part:
+    with atomic_output(tmp_path / "a.txt") as part:
         part.touch()
     assert lost.exists() == bool(left)
 
@@ -78,7 +78,7 @@ def test_what_cannot_be_written_is_refused_at_once(tmp_path, make, message):
     path = make(tmp_path)
     with raises(OSError, match=message):
         check_output(path)
-    with raises(OSError, match=message), written_whole(path):
+    with raises(OSError, match=message), atomic_output(path):
         pytest.fail("entered")
 
 

@@ -4,7 +4,7 @@ import numpy as np
 from pytest import approx, mark
 
 from cmtof.hybrid import LEAST, means_of_surfaces
-from cmtof.surfaces.contacts import Borders, tied
+from cmtof.surfaces.contacts import Borders, offsets_with_contacts
 from cmtof.surfaces.placing import Offsets
 
 
@@ -25,7 +25,7 @@ def offset_of_surface(mean, spread, said):
     """Offset of one surface, by itself to a standard deviation, and as a network says."""
     borders = Borders(*np.zeros((4, 0), int))  # it meets no other
     alone = Offsets(*np.array([[mean], [spread]]))
-    return tied(
+    return offsets_with_contacts(
         alone,
         borders,
         np.array([[-99], [99]]),

@@ -210,7 +210,7 @@ def test_official_tables_and_the_public_depth_file(shared_data):
     assert frame.depth.shape == (768, 1024)
     assert np.abs(frame.camera[2:] - [512, 384]).min() > 50  # shifted
     assert tree.split()["test"] == []  # on disk is none
-    test = split_views(tree._listed)["test"]
+    test = split_views(tree._listed_views)["test"]
     assert [sum(v.partition == name for v in test) for name in PARTITIONS] == [34, 5, 7]
 
 

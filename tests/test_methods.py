@@ -9,7 +9,7 @@ from scores import scores
 
 import cmtof
 from cmtof.correlation import wrap_length
-from cmtof.evaluation import measured as measured_for
+from cmtof.evaluation import measure_frame as measured_for
 from cmtof.evaluation import scored_pixels
 from cmtof.frame import Frame
 from cmtof.measurement import Measurement

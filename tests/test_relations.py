@@ -9,7 +9,7 @@ from scores import scores
 
 import cmtof
 from cmtof.correlation import TAU
-from cmtof.evaluation import measured
+from cmtof.evaluation import measure_frame
 from cmtof.measurement import Measurement
 
 FAST = [
@@ -39,7 +39,7 @@ def scene():
 
     @cache
     def of(name, noise_free=False):
-        return measured(frame, [name], noise=300.0, noise_free=noise_free)[name]
+        return measure_frame(frame, [name], noise=300.0, noise_free=noise_free)[name]
 
     return of
 

@@ -72,9 +72,9 @@ def unambiguous_range(frequencies: ArrayLike) -> float:
     return float(wrap_length(beat if beat > 0 else low))
 
 
-def admitted(dataset: Dataset) -> Dataset:
+def checked_dataset(dataset: Dataset) -> Dataset:
     """The checked dataset: SI units, floats, NaN where masked; a ValueError says what is wrong."""
-    data = in_si_units(structured(dataset))
+    data = in_si_units(with_coordinates(dataset))
     frequencies = checked_frequencies(data["frequency"].to_numpy())
     data = data.assign_coords(frequency=data["frequency"].copy(data=frequencies))
     if "camera" in data:
@@ -88,7 +88,7 @@ def admitted(dataset: Dataset) -> Dataset:
     return _with_valid_values(data)
 
 
-def structured(dataset: Dataset) -> Dataset:
+def with_coordinates(dataset: Dataset) -> Dataset:
     """The dataset with frequency and psi as coordinates; a ValueError if a variable is missing."""
     main = "correlation" if "correlation" in dataset else "phase"
     if main not in dataset:

@@ -56,7 +56,7 @@ def sets_of_wraps(confidence: Array, measurement: Measurement) -> dict[str, Arra
     }
 
 
-def guess(measurement: Measurement) -> Array:
+def guess_probability(measurement: Measurement) -> Array:
     """Probability (H, W) that a wrap guessed at random within the range is right."""
     first, last = wraps_in_range(measurement)
     return np.full(measurement.shape, 1 / (last - first + 1))
@@ -74,7 +74,7 @@ def within_range(depth: Array, measurement: Measurement) -> Array:
     return np.clip(depth, low, np.nextafter(high, low))
 
 
-def nearest(wanted: Flags) -> tuple[Numbers, Numbers]:
+def nearest_pixel(wanted: Flags) -> tuple[Numbers, Numbers]:
     """Row and column (H, W) of the nearest wanted pixel; a pixel's own if none is wanted."""
     if not wanted.any():
         return tuple(np.indices(wanted.shape))
@@ -89,7 +89,7 @@ def without_holes(measurement: Measurement) -> Measurement:
     known = np.where(measurement.mask, np.isfinite(amplitude), amplitude > 0)
     if known.all() or not known.any():
         return measurement
-    place = nearest(known)
+    place = nearest_pixel(known)
     data = measurement.dataset.copy()
     for name in {"correlation", "phase", "amplitude"} & set(data):
         data[name] = data[name].copy(data=data[name].to_numpy()[..., *place])

@@ -137,7 +137,7 @@ def score(frames: Mapping[str, NDArray] | Iterable[Mapping[str, NDArray]]) -> Va
     return tally.score()
 
 
-def measured(
+def measure_frame(
     frame: Frame, methods: Iterable[str], *, number: int = 0, **conditions: Any
 ) -> dict[str, Measurement]:
     """Simulated measurement of a frame by method name, with the same noise and scored pixels.
@@ -178,7 +178,7 @@ class Evaluation:
 
     def add(self, frame: Frame) -> Iterator[str]:
         """Simulate the next frame and run every method on it, yielding each name when done."""
-        measurements = measured(
+        measurements = measure_frame(
             frame, self.methods, number=len(self.frames), **self.conditions
         )
         tallies = deepcopy(

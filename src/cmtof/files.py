@@ -128,7 +128,7 @@ def _remove_leftovers(target: Path) -> None:
 
 
 @contextmanager
-def written_whole(path: AnyPath) -> Iterator[Path]:
+def atomic_output(path: AnyPath) -> Iterator[Path]:
     """Yield a temporary path beside ``path`` that is renamed onto it when the block succeeds.
 
     >>> import tempfile
@@ -152,7 +152,7 @@ def written_whole(path: AnyPath) -> Iterator[Path]:
 
 
 @contextmanager
-def alone(path: Path, *, wait: bool = False) -> Iterator[None]:
+def exclusive_lock(path: Path, *, wait: bool = False) -> Iterator[None]:
     """Lock a file or folder for this process; if another has it, wait or raise a ValueError."""
     import fcntl  # Windows has none
 
@@ -172,7 +172,7 @@ def alone(path: Path, *, wait: bool = False) -> Iterator[None]:
 MOST_BYTES, MOST_DEPTH = 2**20, 20
 
 
-def small_file(path: AnyPath) -> bytes:
+def read_small_file(path: AnyPath) -> bytes:
     """Bytes of a file; a ValueError if there are more than `MOST_BYTES`."""
     size = check_input(path).stat().st_size
     if size > MOST_BYTES:
@@ -195,7 +195,7 @@ def read_document(path: AnyPath) -> dict[str, Any]:
     """
     import yaml
 
-    data = small_file(path)
+    data = read_small_file(path)
     try:
         depth = 0
         for event in yaml.parse(data, Loader=yaml.SafeLoader):

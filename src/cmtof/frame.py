@@ -9,7 +9,7 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from cmtof.files import AnyPath, check_input, written_whole
+from cmtof.files import AnyPath, atomic_output, check_input
 from cmtof.types import Array, Texts
 from cmtof.validation import check_claim, checked_camera, numbers
 
@@ -68,7 +68,7 @@ class Frame:
             arrays["camera"] = self.camera
         if self.note:
             arrays["note"] = np.array(self.note)
-        with written_whole(path) as part:
+        with atomic_output(path) as part:
             np.savez_compressed(part, **arrays)
 
     def middle(self, height: int, width: int) -> "Frame":
@@ -126,7 +126,7 @@ def held_out_frames() -> list[Frame]:
     return [Frame(depth, one, camera, str(name)) for depth, one, camera, name in views]
 
 
-def broken(
+def read_error(
     expected: str,
     path: object,
     error: Exception,
@@ -147,10 +147,10 @@ def read_npz(path: Path) -> dict[str, NDArray]:
         with np.load(path, allow_pickle=False) as arrays:
             return {name: arrays[name] for name in arrays.files}
     except Exception as error:  # zipfile, zlib and numpy raise half a dozen kinds
-        raise broken("a whole .npz file", path, error) from error
+        raise read_error("a whole .npz file", path, error) from error
 
 
-def listed_npz(path: Path) -> Texts:
+def list_npz(path: Path) -> Texts:
     """Shape and type, as text, of every array of an ``.npz`` by name; the arrays are not read."""
     found = {}
     try:
@@ -162,7 +162,7 @@ def listed_npz(path: Path) -> Texts:
                     shape, _, kind = read(file)
                     found[member.removesuffix(".npy")] = f"{shape} {kind}"
     except Exception as error:  # zipfile, zlib and numpy raise half a dozen kinds
-        raise broken("a whole .npz file", path, error) from error
+        raise read_error("a whole .npz file", path, error) from error
     return found
 
 

@@ -31,14 +31,14 @@ def hybrid(measurement: Measurement, *, weights: Path | None = None) -> Estimate
     first, last = wraps_in_range(measurement)
 
     # 358 wraps need much memory, and surfaces that are grown by then little
-    def told(depth, label, offsets):
+    def prior(depth, label, offsets):
         odds = np.empty((last - first + 1, *measurement.shape), np.float16)
         for rows, new in log_odds(network, without_holes(measurement), mirrored=True):
             odds[:, rows] = log_softmax(new, axis=0)
         turns = depth / wrap_length(measurement.frequencies[0]) - first
         return means_of_surfaces(odds, turns, label, offsets)
 
-    return surfaces(measurement, told=told)
+    return surfaces(measurement, prior=prior)
 
 
 def means_of_surfaces(

@@ -17,8 +17,8 @@ from typing import Any, NamedTuple
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from cmtof.files import AnyPath, check_input, check_links, written_whole
-from cmtof.frame import Frame, Source, broken
+from cmtof.files import AnyPath, atomic_output, check_input, check_links
+from cmtof.frame import Frame, Source, read_error
 from cmtof.types import Array, Named, Shape, Texts
 from cmtof.validation import check_claim
 
@@ -118,25 +118,25 @@ class Hypersim:
     ) -> list[Source]:
         """Sources of the frames of views; by default of test frames, or of all without a split."""
         if views is None:
-            views = (self.split()["test"] if self._listed else []) or self.views
+            views = (self.split()["test"] if self._listed_views else []) or self.views
         return [
             Source(view.name, partial(self.frame, view, blank=blank)) for view in views
         ]
 
     def split(self) -> dict[str, list[View]]:
         """Views on disk by partition (train, val, test), as `split_views` chooses them."""
-        if not self._listed:
+        if not self._listed_views:
             raise FileNotFoundError(
                 f"Expected {SPLIT} in or beside {self.root}, got none. Copy it from the data set."
             )
-        parts = split_views(self._listed)
+        parts = split_views(self._listed_views)
         there = {view[:3] for view in self.views}
         return {
             name: [v for v in part if v[:3] in there] for name, part in parts.items()
         }
 
     @cached_property
-    def _listed(self) -> list[View]:
+    def _listed_views(self) -> list[View]:
         """Every view that the table of the split lists; empty without the table."""
         scene, camera, number, part = _LISTED
         return self._table(
@@ -158,7 +158,9 @@ class Hypersim:
             with path.open(encoding="utf-8-sig", newline="") as file:
                 return [parse(row) for row in csv.DictReader(file)]
         except (csv.Error, KeyError, TypeError, ValueError) as error:
-            raise broken("the data set's columns and numbers", path, error) from error
+            raise read_error(
+                "the data set's columns and numbers", path, error
+            ) from error
 
 
 def is_hypersim(folder: Path) -> bool:
@@ -253,7 +255,9 @@ def read_array(path: Path, dimensions: int) -> NDArray:
     except (
         Exception
     ) as error:  # h5py raises OSError, KeyError and RuntimeError by kind of damage
-        raise broken("a whole HDF5 file with the key dataset", path, error) from error
+        raise read_error(
+            "a whole HDF5 file with the key dataset", path, error
+        ) from error
     return array
 
 
@@ -274,7 +278,7 @@ def write_metadata(root: Path, shape: Shape, scenes: Named) -> None:
         tables[SPLIT] += [(scene, *view, partition) for view in views]
     for name, rows in tables.items():
         with (
-            written_whole(Path(root) / name) as part,
+            atomic_output(Path(root) / name) as part,
             part.open("w", newline="") as file,
         ):
             csv.writer(file, lineterminator="\n").writerows(rows)

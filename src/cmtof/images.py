@@ -6,7 +6,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from cmtof.files import AnyPath, check_input
-from cmtof.frame import Frame, broken, light_note, ray_lengths
+from cmtof.frame import Frame, light_note, ray_lengths, read_error
 from cmtof.types import Array
 
 # Suffixes that `read_image` reads; only PNG, PGM, PFM and NPY hold depth.
@@ -49,12 +49,12 @@ def frame_from_pair(
         raise ValueError(
             f"Expected one channel of depth in {depth}, got {levels.shape[-1]}. Name depth first."
         )
-    distance, notes = distances(levels, depth_scale)
+    distance, notes = depth_from_levels(levels, depth_scale)
     if not planar:
         notes.append("depth taken along the ray")
     else:
         distance = distance * ray_lengths(distance.shape, camera)  # type: ignore[arg-type]
-    light, note = resampled(image, distance.shape)
+    light, note = resample(image, distance.shape)
     light = brightness_of(light, linear)
     text = "; ".join(filter(None, [*notes, note, light_note(light)]))
     return Frame(distance, light, camera, depth.stem, text)
@@ -82,12 +82,12 @@ def read_image(path: Path) -> NDArray:
     except (
         Exception
     ) as error:  # Pillow raises OSError, SyntaxError and, for bombs, its own kind
-        raise broken("a PNG image (or JPEG for colour)", path, error) from error
+        raise read_error("a PNG image (or JPEG for colour)", path, error) from error
     # Pillow opens some 16-bit greys as 32-bit integers
     return pixels.astype(np.uint16) if pixels.dtype == np.int32 else pixels
 
 
-def distances(levels: NDArray, scale: float | None) -> tuple[Array, list[str]]:
+def depth_from_levels(levels: NDArray, scale: float | None) -> tuple[Array, list[str]]:
     """Depth (H, W), m, NaN where a level means «unknown», and notes on odd levels."""
     if levels.dtype.kind == "f":
         return levels / (scale or 1.0), []
@@ -118,7 +118,7 @@ def distances(levels: NDArray, scale: float | None) -> tuple[Array, list[str]]:
     return np.where(known, levels / (scale or LEVELS), np.nan), notes
 
 
-def resampled(image: NDArray, shape: tuple[int, ...]) -> tuple[NDArray, str]:
+def resample(image: NDArray, shape: tuple[int, ...]) -> tuple[NDArray, str]:
     """The image resampled to the shape (H, W) of its depth, by nearest pixels, and a note on it."""
     height, width = image.shape[:2]
     if (height, width) == shape or abs(

@@ -17,11 +17,11 @@ from numpy.typing import ArrayLike, NDArray
 from xarray import Dataset
 
 from cmtof.constants import FREQUENCY_SINGLE
-from cmtof.contract import STACK, VARIABLES, admitted
+from cmtof.contract import STACK, VARIABLES, checked_dataset
 from cmtof.contract import unambiguous_range as unambiguous_range
 from cmtof.correlation import Decoded, decode
 from cmtof.files import AnyPath, check_input
-from cmtof.storage import loaded, read_dataset, save_dataset
+from cmtof.storage import load_into_memory, read_dataset, save_dataset
 from cmtof.types import Array, Fields, Flags, Named, Pair, Shape
 from cmtof.validation import numbers
 
@@ -35,7 +35,7 @@ class Measurement:
     """
 
     def __init__(self, dataset: Dataset) -> None:
-        self.dataset = admitted(dataset)
+        self.dataset = checked_dataset(dataset)
 
     @classmethod
     def from_arrays(
@@ -171,7 +171,7 @@ def tiles(
     ):
         top = max(y - margin, 0)
         left = max(x - margin, 0)
-        seen = loaded(
+        seen = load_into_memory(
             dataset.isel(
                 y=slice(top, y + tile + margin), x=slice(left, x + tile + margin)
             )

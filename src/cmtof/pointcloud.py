@@ -3,7 +3,7 @@
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from cmtof.files import AnyPath, written_whole
+from cmtof.files import AnyPath, atomic_output
 from cmtof.frame import ray_lengths, rays_from_camera
 from cmtof.types import Array, Numbers
 
@@ -65,7 +65,7 @@ def write_ply(
     columns |= dict.fromkeys(("red", "green", "blue"), grey)
     columns["confidence"] = np.asarray(confidence, "<f4")[kept]
     vertices = np.rec.fromarrays(list(columns.values()), names=list(columns))
-    with written_whole(path) as part:
+    with atomic_output(path) as part:
         part.write_bytes(_ply_header(vertices).encode("ascii") + vertices.tobytes())
     return vertices.size
 

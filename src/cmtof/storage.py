@@ -14,13 +14,13 @@ from xarray import Dataset, open_dataset
 from cmtof.contract import VARIABLES
 from cmtof.files import (
     AnyPath,
+    atomic_output,
     check_heaps,
     check_input,
     check_links,
     check_output,
-    written_whole,
 )
-from cmtof.frame import broken
+from cmtof.frame import read_error
 from cmtof.types import Fields
 from cmtof.validation import check_claim
 
@@ -37,7 +37,7 @@ def save_dataset(dataset: Dataset, path: AnyPath) -> None:
     attributes = {name: _storable(value) for name, value in dataset.attrs.items()}
     encoded = dataset.assign_attrs(attributes)
     stored = encoded.to_netcdf(engine="h5netcdf", encoding=encoding)
-    with written_whole(path) as part:
+    with atomic_output(path) as part:
         part.write_bytes(stored)
 
 
@@ -55,7 +55,7 @@ def _storable(value: Any) -> Any:
 
 
 @contextmanager
-def opened_dataset(path: AnyPath) -> Iterator[Dataset]:
+def open_netcdf(path: AnyPath) -> Iterator[Dataset]:
     """Open a netCDF file without loading its arrays; a ValueError for whatever is wrong."""
     path = check_input(path, "a measurement file")
     hook, sys.unraisablehook = sys.unraisablehook, lambda _: None
@@ -94,7 +94,7 @@ def _open_handle(path: Path) -> Dataset:
 
 def _error_of_file(path: object, error: Exception) -> ValueError:
     """ValueError of one line for any error with which a netCDF file could not be read."""
-    return broken("a whole netCDF4 file", path, error, "Write it again.")
+    return read_error("a whole netCDF4 file", path, error, "Write it again.")
 
 
 def _with_dimension_names(handle: Dataset) -> Dataset:
@@ -111,7 +111,7 @@ def _with_dimension_names(handle: Dataset) -> Dataset:
     return dataset
 
 
-def loaded(dataset: Dataset) -> Dataset:
+def load_into_memory(dataset: Dataset) -> Dataset:
     """The same part of an opened dataset, read into memory; a ValueError if its file is damaged."""
     try:
         return dataset.load()
@@ -125,5 +125,5 @@ def loaded(dataset: Dataset) -> Dataset:
 
 def read_dataset(path: AnyPath) -> Dataset:
     """Read a netCDF file of any content into memory; one ValueError for whatever is wrong."""
-    with opened_dataset(path) as handle:
-        return loaded(handle)
+    with open_netcdf(path) as handle:
+        return load_into_memory(handle)

@@ -55,7 +55,7 @@ def _replace_unencodable(error: UnicodeError) -> tuple[str, int]:
     return plain.encode("ascii", "backslashreplace").decode(), error.end
 
 
-def shown(text: object) -> str:
+def escape_controls(text: object) -> str:
     r"""Text in which control characters, which would steer a terminal, are escaped.
 
     >>> shown("a\x1b[31mb")
@@ -88,7 +88,7 @@ def error_line(error: Exception) -> str:
 
 
 @contextmanager
-def later() -> Iterator[None]:
+def delay_interrupts() -> Iterator[None]:
     """Context that delays Ctrl-C to its end; processes started inside ignore it.
 
     Packages catch it while they load, and a terminal sends it to workers too.
@@ -107,16 +107,18 @@ def progress(total: int, quiet: bool) -> Iterator[Callable[..., None]]:
     from rich.markup import escape
     from rich.progress import Progress
 
-    with Progress(console=Console(stderr=True), disable=quiet or hidden()) as bar:
+    with Progress(
+        console=Console(stderr=True), disable=quiet or progress_is_hidden()
+    ) as bar:
         task = bar.add_task("", total=total)
 
         def advance(text: str, share: float = 1.0) -> None:
-            bar.update(task, advance=share, description=escape(shown(text)))
+            bar.update(task, advance=share, description=escape(escape_controls(text)))
 
         yield advance
 
 
-def hidden() -> bool:
+def progress_is_hidden() -> bool:
     """Whether to hide the bar: in CI, and where standard error is no terminal."""
     return bool(os.environ.get("CI")) or not sys.stderr.isatty()
 
@@ -128,8 +130,8 @@ def print_table(title: str, rows: Sequence[Mapping[str, object]]) -> None:
     from rich.text import Text
 
     head = dict.fromkeys(title for row in rows for title in row)
-    table = Table(*head, title=Text(shown(title)) if title else None)
+    table = Table(*head, title=Text(escape_controls(title)) if title else None)
     table.columns[0].no_wrap = True
     for row in rows:
-        table.add_row(*(Text(shown(row.get(title, ""))) for title in head))
+        table.add_row(*(Text(escape_controls(row.get(title, ""))) for title in head))
     Console().print(table)

@@ -7,7 +7,7 @@ from typing import Any
 import numpy as np
 from xarray import Dataset
 
-from cmtof.contract import structured
+from cmtof.contract import with_coordinates
 from cmtof.correlation import (
     TAU,
     consistent_wrap_count,
@@ -16,10 +16,10 @@ from cmtof.correlation import (
     wrap_length,
 )
 from cmtof.estimate import Components, Estimate, sets_of_wraps, within_range
-from cmtof.files import AnyPath, written_whole
+from cmtof.files import AnyPath, atomic_output
 from cmtof.measurement import Measurement, open_measurement, tiles
 from cmtof.methods import DEFAULT, find_method
-from cmtof.storage import opened_dataset, save_dataset
+from cmtof.storage import open_netcdf, save_dataset
 from cmtof.types import Fields, Pair
 
 Unwrapped = tuple[
@@ -170,8 +170,8 @@ def _unwrap_tiles(
     """Unwrap a file in tiles, each with a margin, px; yields as `unwrap_file` does."""
     import h5netcdf
 
-    with opened_dataset(source) as handle, written_whole(output) as part:
-        dataset = structured(handle)
+    with open_netcdf(source) as handle, atomic_output(output) as part:
+        dataset = with_coordinates(handle)
         height = dataset.sizes["y"]
         width = dataset.sizes["x"]
         if shutil.disk_usage(part.parent).free < (

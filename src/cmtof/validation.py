@@ -14,7 +14,7 @@ LOWEST_FREQUENCY = 1e5
 HIGHEST_FREQUENCY = 1e12
 
 
-def checked(kind: type[T], values: Any, source: object) -> T:
+def checked_values(kind: type[T], values: Any, source: object) -> T:
     """Values converted to a type and checked by pydantic; a ValueError names the first fault.
 
     >>> checked(tuple[int, int], [1, "x"], "a.yml")

@@ -74,7 +74,7 @@ def ratios() -> None:
 def cost(method: str, protocol: str) -> Values:
     """Seconds and megabytes of unwrapping one large frame; the second of two runs."""
     import cmtof
-    from cmtof.evaluation import measured as given_to
+    from cmtof.evaluation import measure_frame as given_to
 
     measurement = given_to(large_frame(), [method], protocol=protocol)[method]
     cmtof.unwrap(measurement, method=method)

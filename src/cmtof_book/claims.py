@@ -100,7 +100,7 @@ def numbers_of(scores: Scores, records: Iterable[Record]) -> Values:
     return {"p": results, "f": figures}
 
 
-def filled(text: str, numbers: Values) -> str:
+def fill_in(text: str, numbers: Values) -> str:
     """Put numbers into a text of ``claims.yml``; a line never breaks before a unit."""
     spaced = re.sub(r"(?<=\d)%", " %", text.format(**numbers))
     return UNIT.sub("\u00a0", spaced)
@@ -111,7 +111,7 @@ def texts(scores: Scores, records: list[Record]) -> Texts:
 
     The table has each claim, our answer, the verdict and why. A claim's figure is that of a build.
     """
-    fill = partial(filled, numbers=numbers_of(scores, records))
+    fill = partial(fill_in, numbers=numbers_of(scores, records))
     every = claims(scores)
     found = _document()["findings"]
     made = {

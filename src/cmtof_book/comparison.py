@@ -84,7 +84,7 @@ def show_swipe(scene: Scene, left: str, right: str) -> None:
     wrap = 1e3 * wrap_length(scene.measurement.frequencies[0])
     live.show(
         f'<figure class="swipe" data-wrap="{wrap}" data-names=\'{json.dumps([left, right])}\'>'
-        f"<div>{''.join(pictures)}{_image(_told(scene, left, right), 'told')}"
+        f"<div>{''.join(pictures)}{_image(_encode_wraps(scene, left, right), 'told')}"
         f'<input type="range" aria-label="Divider: {left} at its left, {right} at its right">'
         '</div><label><input type="checkbox"> errors</label> <output></output>'
         f"<figcaption>{sides}. Move the divider with the pointer or the arrow keys. The line "
@@ -97,7 +97,7 @@ def _share(scene: Scene, label: str) -> str:
     return f"<code>{label}</code> ({100 * scene.right(label):.0f} % right)"
 
 
-def _told(scene: Scene, *labels: str) -> NDArray[np.uint8]:
+def _encode_wraps(scene: Scene, *labels: str) -> NDArray[np.uint8]:
     """True wraps and those by two methods, beside them phase and odds, 255 for one, as colours."""
     counts = np.dstack([scene.count(), *map(scene.count, labels)])
     odds = [scene.answers[label]["confidence"] for label in labels]

@@ -50,7 +50,7 @@ def rooms(seed: int, count: int) -> Iterable[Frame]:
     return islice(views(replace(SETTINGS, seed=seed), tested=False), count)
 
 
-def calibrated() -> Values:
+def calibrate_sets() -> Values:
     """Half-widths of the sets over the odds against a pixel's wraps."""
     scores = []
     for number, frame in enumerate(rooms(301, 80)):
@@ -69,7 +69,7 @@ def scores_of(measurement: Measurement) -> Array:
     return off * sure / (1 - sure)
 
 
-def uneven(frame: Frame, number: int, waves: bool) -> Frame:
+def with_uneven_walls(frame: Frame, number: int, waves: bool) -> Frame:
     """The frame as the released protocol scales it, with uneven walls."""
     rng = np.random.default_rng(number)
     tones = np.array(FREQUENCIES)
@@ -89,11 +89,11 @@ def measurements(condition: str, frames: Iterable[Frame]) -> Iterator[Measuremen
         return
     for number, frame in enumerate(frames):
         if condition in UNEVEN:
-            frame = uneven(frame, number, UNEVEN[condition])
+            frame = with_uneven_walls(frame, number, UNEVEN[condition])
         yield simulate(frame, frame_number=number, **CONDITIONS.get(condition, {}))
 
 
-def checked(method: str, seen: Iterable[Measurement]) -> Fields:
+def check_coverage(method: str, seen: Iterable[Measurement]) -> Fields:
     """Means over rooms of the shares right and covered and of the wraps in a set; their errors."""
     counts = pd.DataFrame(counts_of(seen, method=method))
     counts["right"] = counts["below"].str[0]
@@ -106,12 +106,12 @@ def main() -> None:
     """Compute what is missing, and store it."""
     counts = Counts(RESULTS / "coverage.json")
     counts.store(command="python -m cmtof_book.coverage", version=__version__)
-    counts.keep("half-widths", of=calibrated)
+    counts.keep("half-widths", of=calibrate_sets)
     frames = [*rooms(613, 40)]
     every = [*CONDITIONS, *UNEVEN, *SCANS]
     for method, conditions in {"surfaces": every, "hybrid": HYBRID}.items():
         for one in conditions:
-            of = partial(checked, method, measurements(one, frames))
+            of = partial(check_coverage, method, measurements(one, frames))
             counts.keep("checked", method, one, of=of)
 
 

@@ -13,7 +13,7 @@ import typer
 
 from cmtof_book.provenance import read_json, write_json
 from cmtof_book.record import PAPER, TEXT, read_all
-from cmtof_book.scoreboard import accepted, scores_in
+from cmtof_book.scoreboard import accepted_scores, scores_in
 
 SCOREBOARD = "scoreboard.json"
 SUFFIXES = {".svg", ".png", ".json"}
@@ -33,7 +33,7 @@ def main(results: Path, figures: Path) -> None:
         if (source_of(figures / name), source_of(file)) != ("measured", "simulated"):
             shutil.copyfile(file, figures / name)
             print(name)
-    write_json(figures / SCOREBOARD, accepted(scores_in(read_all(results))))
+    write_json(figures / SCOREBOARD, accepted_scores(scores_in(read_all(results))))
 
 
 def source_of(figure: Path) -> str | None:

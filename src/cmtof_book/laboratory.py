@@ -79,13 +79,13 @@ def packed_scene(frame: Frame) -> Values:
         "width": width,
         "height": height,
         "step": DEPTH_STEP,
-        "depth": packed(np.rint(depth / DEPTH_STEP).astype("<u2")),
-        "light": packed(np.rint(255 * light).astype(np.uint8)),
-        "mask": packed(measured.mask[place].astype(np.uint8)),
+        "depth": pack(np.rint(depth / DEPTH_STEP).astype("<u2")),
+        "light": pack(np.rint(255 * light).astype(np.uint8)),
+        "mask": pack(measured.mask[place].astype(np.uint8)),
     }
 
 
-def packed(content: bytes | NDArray) -> str:
+def pack(content: bytes | NDArray) -> str:
     """Gzip in letters."""
     return letters(gzip.compress(bytes(content), mtime=0))
 
@@ -104,7 +104,7 @@ def write(folder: Path) -> None:
         key: letters((RUNTIME / f"{name}.gz").read_bytes())
         for key, name in SCRIPTS.items()
     }
-    held["model"] = packed(light_network())
+    held["model"] = pack(light_network())
     for name, data in (("scenes", drawn), ("runtime", held)):
         text = f"laboratory.{name} = {json.dumps(data)};\n"
         (folder / f"{name}.js").write_text(text, "utf-8")

@@ -36,5 +36,5 @@ def show(html: str, *scripts: Path) -> None:
     display(
         {"text/html": f"{frame}</iframe>"},
         raw=True,
-        metadata=record.shown("page", html=html),
+        metadata=record.page_metadata("page", html=html),
     )

@@ -25,7 +25,7 @@ def _show(kind: str, text: str, numbers: dict[str, float | str]) -> None:
 
     record.add(record.TEXT, numbers)
     said = cleandoc(text).format(**numbers)
-    display({"text/markdown": said}, raw=True, metadata=record.shown(kind))
+    display({"text/markdown": said}, raw=True, metadata=record.page_metadata(kind))
 
 
 def table(

@@ -15,7 +15,7 @@ import jupytext
 import nbformat
 from jupytext.cli import jupytext as jupytext_cli
 
-from cmtof.files import written_whole
+from cmtof.files import atomic_output
 from cmtof_book import ROOT
 
 KERNEL = {"display_name": "Python 3", "language": "python", "name": "python3"}
@@ -42,7 +42,7 @@ def notebook_from_script(script: Path) -> nbformat.NotebookNode:
     return notebook
 
 
-def same(script: Path) -> bool:
+def is_same(script: Path) -> bool:
     """Tell whether the notebook is the one that follows from the script, without outputs."""
     notebook = script.with_suffix(".ipynb")
     return notebook.is_file() and nbformat.read(notebook, 4) == notebook_from_script(
@@ -67,11 +67,11 @@ def main(mode: str) -> int:
             take_newer(script)
         return 0
     check = mode == "--check"
-    stale = [script for script in scripts if not same(script)]
+    stale = [script for script in scripts if not is_same(script)]
     for script in stale:
         print(f"{'differs' if check else 'written'}: {script.stem}.ipynb")
         if not check:
-            with written_whole(script.with_suffix(".ipynb")) as part:
+            with atomic_output(script.with_suffix(".ipynb")) as part:
                 nbformat.write(notebook_from_script(script), part)
     return int(check and bool(stale))
 

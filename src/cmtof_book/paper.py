@@ -17,7 +17,7 @@ from matplotlib.ticker import EngFormatter
 
 from cmtof_book import Values, notes, provenance, record
 from cmtof_book.compared import Compared
-from cmtof_book.verdict import Dependency, Estimate, Published, Score, Value
+from cmtof_book.verdict import Dependency, OwnNumber, Published, Score, Value
 
 _SIGNS = {"eq": "", "approx": "≈ ", "lt": "< ", "gt": "> "}
 
@@ -51,7 +51,7 @@ def _numbers_of(name: str, held: Values) -> dict[str, Published]:
     return numbers
 
 
-def published(key: str) -> Published:
+def published_number(key: str) -> Published:
     """One published number."""
     return published_numbers()[key]
 
@@ -71,7 +71,7 @@ def check(
         kind = value.record()
         given = value.value + 1.96 * (value.error or 0.0) * np.array([0, -1, 1])
     score = Score.of(
-        published(key), given, profile=provenance.RUN["profile"], crops=crops
+        published_number(key), given, profile=provenance.RUN["profile"], crops=crops
     )
     found = {**kind, "cases": score.cases, "verdict": score.verdict, "crops": crops}
     record.add(record.PAPER, {key: found})
@@ -87,7 +87,7 @@ def table() -> None:
     """Show what a chapter has checked so far: the paper's number, ours, the verdict."""
     rows = []
     for key, held in record.read(record.PAPER).items():
-        score = Score(published(key), held["cases"])
+        score = Score(published_number(key), held["cases"])
         what = f"{score.number.where}, {score.number.what}"
         paper = published_text(score.number)
         rows.append([what, paper, result_text(score), held["verdict"]])
@@ -114,7 +114,7 @@ def result_text(score: Score, digits: int = 4) -> str:
     return "; ".join(texts) or "not finite"
 
 
-def estimate_text(one: Estimate, unit: str, digits: int) -> str:
+def estimate_text(one: OwnNumber, unit: str, digits: int) -> str:
     """A number with its interval, where it has one.
 
     >>> estimate_text(Estimate(0.435, 0.345, 0.525), "fraction", 3)

@@ -23,7 +23,7 @@ from matplotlib.text import Text
 from numpy.typing import ArrayLike
 from PIL import Image
 
-from cmtof.files import written_whole
+from cmtof.files import atomic_output
 from cmtof.types import Named, Pair, Texts
 from cmtof_book import provenance, record
 
@@ -267,7 +267,7 @@ def save(
     metadata = (
         {"Date": None, "Creator": None} if format == "svg" else {"Software": None}
     )
-    with written_whole(target) as part:
+    with atomic_output(target) as part:
         fig.savefig(part, format=format, metadata=metadata)
         if format == "png":
             _save_space(part)
@@ -286,6 +286,7 @@ def _publish(picture: Path, about: Texts) -> None:
         publish = shell.display_pub.publish
         told = {"text/markdown": about["caption"]}
         publish(
-            {kind: drawn, "text/plain": about["alt"]}, record.shown("figure", **about)
+            {kind: drawn, "text/plain": about["alt"]},
+            record.page_metadata("figure", **about),
         )
-        publish(told, record.shown("caption"))  # pages put captions themselves
+        publish(told, record.page_metadata("caption"))  # pages put captions themselves

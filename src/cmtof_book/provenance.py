@@ -9,7 +9,7 @@ from pathlib import Path
 from typing import Any
 
 from cmtof import __version__
-from cmtof.files import written_whole
+from cmtof.files import atomic_output
 from cmtof_book.compared import Compared
 
 # environment variable that names the folder for results
@@ -64,7 +64,7 @@ def write_json(path: Path, value: Any) -> None:
     rounded = json.loads(
         exact, parse_float=lambda digits: float(f"{float(digits):.10g}")
     )
-    with written_whole(path) as part:
+    with atomic_output(path) as part:
         part.write_text(
             json.dumps(rounded, indent=2, ensure_ascii=False) + "\n", "utf-8"
         )

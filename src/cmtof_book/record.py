@@ -35,7 +35,7 @@ class Record(NamedTuple):
         return self.content["numbers"]
 
 
-def shown(kind: str, **about: Any) -> Values:
+def page_metadata(kind: str, **about: Any) -> Values:
     """Metadata by which `cmtof_book.stage` knows what an output of a notebook is on the page."""
     return {"cmtof": {"kind": kind, **about}}
 

@@ -16,8 +16,8 @@ import numpy as np
 from cmtof.bounds import phase_spread, simulated_phase_noise, wrap_probability
 from cmtof.constants import FREQUENCIES
 from cmtof.correlation import centred, depth_from_phase, phase_from_depth
-from cmtof.evaluation import Evaluation, measured
-from cmtof.files import read_document, written_whole
+from cmtof.evaluation import Evaluation, measure_frame
+from cmtof.files import atomic_output, read_document
 from cmtof.frame import embedded_frames
 from cmtof.scenes import Frame, load_frame
 from cmtof.simulation import simulate
@@ -90,9 +90,9 @@ def draw(figure: Path) -> None:
     from cmtof_book.comparison import Scene, comparison_figure
 
     frame = load_frame(next(iter(embedded_frames())))
-    given = measured(frame, METHODS, seed=SEED)
+    given = measure_frame(frame, METHODS, seed=SEED)
     answers = {name: unwrap(one, method=name) for name, one in given.items()}
     plotting.begin()
-    with written_whole(figure) as part:
+    with atomic_output(figure) as part:
         scene = Scene(frame, given["beat"], answers)
         comparison_figure(scene, METHODS).savefig(part)

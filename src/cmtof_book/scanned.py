@@ -143,7 +143,7 @@ def close_pair(scan: Measurement, other: Measurement) -> Measurement:
         [one.phase[0] for one in both],
         [one.frequencies[0] for one in both],
         amplitude=[one.amplitude[0] for one in both],
-        **_held(scan),
+        **_kept_variables(scan),
     )
 
 
@@ -160,10 +160,10 @@ def four_phases(scan: Measurement) -> Measurement:
     psi = np.asarray(QUADRATURES)
     angle = scan.phase[:, None] + psi[:, None, None]
     made = amplitude[:, None] * (np.pi / 2 + np.cos(angle))
-    return Measurement.from_arrays(made, psi, scan.frequencies, **_held(scan))
+    return Measurement.from_arrays(made, psi, scan.frequencies, **_kept_variables(scan))
 
 
-def _held(scan: Measurement) -> Values:
+def _kept_variables(scan: Measurement) -> Values:
     """What another measurement of a scan keeps of it."""
     return {
         "depth": scan.depth,
@@ -179,7 +179,7 @@ def frame_of(target: Target, scan: Measurement) -> Frame:
     return Frame(hits.range, hits.reflectance, scan.camera)
 
 
-def kept(name: str, made: Callable[[], Measurement]) -> Measurement:
+def load_or_make(name: str, made: Callable[[], Measurement]) -> Measurement:
     """Measurement of a file by name, which is computed if there is none."""
     path = FOLDER / f"{name}.nc"
     if not path.exists():
@@ -190,16 +190,20 @@ def kept(name: str, made: Callable[[], Measurement]) -> Measurement:
 
 def kept_scan(name: str, noise: Noise, seed: int = 0) -> Measurement:
     """Scan of an object as `scan_object` makes it."""
-    return kept(f"{name}_{noise}_{seed}", partial(scan_object, name, noise, seed=seed))
+    return load_or_make(
+        f"{name}_{noise}_{seed}", partial(scan_object, name, noise, seed=seed)
+    )
 
 
 def example(number: int, group: int = 0) -> tuple[Measurement, Array, Array]:
     """Scan of a still life, its wraps by stereo, -1 where unknown, and its depth, m."""
-    scan = kept(f"still_{group}_{number}", partial(labelled, number, group))
+    scan = load_or_make(
+        f"still_{group}_{number}", partial(labelled_scan, number, group)
+    )
     return scan, *(scan.dataset[key].to_numpy() for key in ("wraps", "labels"))
 
 
-def labelled(number: int, group: int) -> Measurement:
+def labelled_scan(number: int, group: int) -> Measurement:
     """Scan of a still life of a group of things, with the captures' noise and labels by stereo."""
     from cmtof_lab import stereo
 
@@ -286,7 +290,7 @@ def wraps_off(scans: Iterable[Measurement], row: str, options: Values) -> list:
     ]
 
 
-def given_to(method: str, name: str, noise: Noise, seed: int) -> Measurement:
+def scan_for_method(method: str, name: str, noise: Noise, seed: int) -> Measurement:
     """Scan as a method reads it: four phases for `rapid`, two close frequencies for `phasor`."""
     scan = kept_scan(name, noise, seed)
     if method == "rapid":
@@ -294,11 +298,11 @@ def given_to(method: str, name: str, noise: Noise, seed: int) -> Measurement:
     if method == "phasor":
         seen = {"seed": seed + 100, "frequency_single": 7.16e9}
         other = partial(scan_object, name, noise, **seen)
-        return close_pair(scan, kept(f"{name}_{noise}_{seed}_close", other))
+        return close_pair(scan, load_or_make(f"{name}_{noise}_{seed}_close", other))
     return scan
 
 
-def validated(legs: int) -> list[float]:
+def validation_rates(legs: int) -> list[float]:
     """Shares of right wraps on scans of the things that are held out."""
     weights = tuned_weights(CURVE[-1], legs)
     scans = (example(number, 1)[0] for number in range(VALIDATED))
@@ -309,7 +313,7 @@ def validated(legs: int) -> list[float]:
 def compare(counts: Counts, noise: str, rows: Rows) -> None:
     """Count rows of methods on three scans of each of the shown scenes."""
     for (row, options), name in product(rows.items(), SHOWN):
-        given = (given_to(row, name, noise, seed) for seed in SEEDS)
+        given = (scan_for_method(row, name, noise, seed) for seed in SEEDS)
         of = partial(wraps_off, given, row, options)
         counts.keep("counts", noise, row, name, of=of)
 
@@ -317,12 +321,12 @@ def compare(counts: Counts, noise: str, rows: Rows) -> None:
 def sweep(counts: Counts, rows: Rows) -> None:
     """Count scans of fewer points and of other noise: every second, every fourth point of each."""
     for level, stride, (row, options) in product(LEVELS, STRIDES, rows.items()):
-        given = (thinned(kept_scan(name, LEVELS[level]), stride) for name in SWEPT)
+        given = (thin_scan(kept_scan(name, LEVELS[level]), stride) for name in SWEPT)
         of = partial(wraps_off, given, row, options)
         counts.keep("sweep", level, str(SIZE // stride), row, of=of)
 
 
-def thinned(scan: Measurement, stride: int) -> Measurement:
+def thin_scan(scan: Measurement, stride: int) -> Measurement:
     """Every so many points of a scan: what a scan of fewer points would have measured."""
     every = slice(None, None, stride)
     return Measurement(scan.dataset.isel(x=every, y=every).drop_vars("camera"))
@@ -333,7 +337,7 @@ def main() -> None:
     FOLDER.mkdir(parents=True, exist_ok=True)
     counts = Counts(RATES)
     rates = [
-        counts.keep("validation", str(legs), of=partial(validated, legs))
+        counts.keep("validation", str(legs), of=partial(validation_rates, legs))
         for legs in LEGS
     ]
     chosen = int(np.mean(rates[1:], axis=1).argmax()) + 1

@@ -72,7 +72,7 @@ def counts(scores: Iterable[Score]) -> dict[str, int]:
     return {name: said.count(name) for name in RANK}
 
 
-def accepted(scores: Scores) -> Values:
+def accepted_scores(scores: Scores) -> Values:
     """Return the scoreboard for ``figures/scoreboard.json``: counts, and each number's verdict."""
     told = ("verdict", "cases", "profile", "crops", "chapter")
     numbers = {

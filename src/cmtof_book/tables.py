@@ -26,7 +26,7 @@ for variable in THREADS:
 
 from cmtof import __version__  # noqa: E402
 from cmtof.evaluation import Evaluation, digest  # noqa: E402
-from cmtof.files import written_whole  # noqa: E402
+from cmtof.files import atomic_output  # noqa: E402
 from cmtof.frame import Frame, held_out_frames  # noqa: E402
 from cmtof.methods import METHODS, find_method, names_of  # noqa: E402
 from cmtof.network.weights import read_card, weights_path  # noqa: E402
@@ -92,7 +92,7 @@ def write(held: Values, path: Path) -> None:
     """Store counts, one frame a line, with their hash."""
     held |= {"version": __version__, "sha256": digest(held["frames"])}
     text = json.dumps(held).replace('{"frame": ', '\n{"frame": ')
-    with written_whole(path) as part:
+    with atomic_output(path) as part:
         part.write_text(text + "\n", "utf-8")
 
 

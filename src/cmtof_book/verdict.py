@@ -33,7 +33,7 @@ BESIDE = {
 Value = float | Sequence[float]
 
 
-class Estimate(NamedTuple):
+class OwnNumber(NamedTuple):
     """A number of ours with the ends of its 95 % interval, equal where it has no error."""
 
     value: float
@@ -70,7 +70,7 @@ class Published:
     note: str = ""
     erratum: int | None = None
 
-    def place_of(self, ours: Estimate) -> str:
+    def place_of(self, ours: OwnNumber) -> str:
         """Whether the number agrees with an estimate, disagrees, or neither can be said."""
         if sign := {"lt": 1, "gt": -1}.get(self.relation):
             met = [sign * (end - self.value) < self.tolerance for end in ours[1:]]
@@ -89,7 +89,7 @@ class Score:
     """A published number beside ours, by case, and what follows from the two."""
 
     number: Published
-    cases: dict[str, Estimate] = field(default_factory=dict)
+    cases: dict[str, OwnNumber] = field(default_factory=dict)
     profile: str = "book"
     crops: int = 0  # on which the network was trained
     chapter: str = ""  # that computed ours

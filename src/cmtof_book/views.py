@@ -13,7 +13,7 @@ import matplotlib.pyplot as plt
 import numpy as np
 from matplotlib.colors import to_hex
 
-from cmtof.files import written_whole
+from cmtof.files import atomic_output
 from cmtof.pointcloud import mesh_triangles
 from cmtof.types import Array, Pair
 from cmtof_book import Values, live, provenance
@@ -33,7 +33,7 @@ class Layer(NamedTuple):
         low, high = self.ends
         return plt.get_cmap(self.scale)((self.values - low) / (high - low))[..., :3]
 
-    def packed(self, step: int) -> Values:
+    def pack(self, step: int) -> Values:
         """Every so many points for the page, and the key to their colours."""
         few = np.s_[::step, ::step]
         key = [to_hex(one) for one in plt.get_cmap(self.scale)(np.linspace(0, 1, 9))]
@@ -57,9 +57,9 @@ def save_scene(
     Neighbours further apart than ``longest``, m, are not joined; ``eye`` (3,), m, is where they are
     seen from. Points are x right, y down, z forward, NaN for none.
     """
-    packed = {label: layer.packed(step) for label, layer in layers.items()}
+    packed = {label: layer.pack(step) for label, layer in layers.items()}
     about = {"longest": step * longest, "eye": eye, "layers": packed}
-    with written_whole(provenance.output_folder() / f"{name}.js") as part:
+    with atomic_output(provenance.output_folder() / f"{name}.js") as part:
         part.write_text(
             f"cmtofScene({json.dumps(name)}, {json.dumps(about)});\n", "utf-8"
         )
@@ -81,7 +81,7 @@ def still(layer: Layer, *, longest: float, eye: tuple) -> Array | None:
     """
     with ProcessPoolExecutor(1, mp_context=get_context("spawn")) as pool:
         try:
-            return pool.submit(_drawn, layer, longest, eye).result()
+            return pool.submit(_draw_still, layer, longest, eye).result()
         except BrokenProcessPool:
             print(
                 "No still: OpenGL is missing (apt-get install libegl1 libgl1).",
@@ -90,7 +90,7 @@ def still(layer: Layer, *, longest: float, eye: tuple) -> Array | None:
             return None
 
 
-def _drawn(layer: Layer, longest: float, eye: tuple) -> Array:
+def _draw_still(layer: Layer, longest: float, eye: tuple) -> Array:
     """Draw what `still` describes; runs in its own process."""
     import pyvista as pv
 

@@ -80,12 +80,12 @@ def drawn_terms(target: Plane, mode: str, *, days: int, seed: int) -> Values:
     mirror = replace(MIRROR, distance=target.distance)
     still = {"days": days, "seed": seed, "stage_error": 0.0, "air_change": (0, 0)}
     alone = {
-        "RF leakage": only("leakage"),
-        "laser drift": only("fibre_low", "fibre_high"),
+        "RF leakage": ideal_but_for("leakage"),
+        "laser drift": ideal_but_for("fibre_low", "fibre_high"),
     }
     found = {}
     for name, one in alone.items():
-        errors = simulated(one, mirror, mode, **still)
+        errors = simulated_errors(one, mirror, mode, **still)
         found[name] = np.sqrt(np.mean(errors**2))
     return found
 
@@ -111,12 +111,12 @@ def back_ratio(settings: TwinSettings, target: Plane) -> float:
     return settings.back_fraction / sum(returned_fractions(settings, hits))
 
 
-def only(*names: str) -> TwinSettings:
+def ideal_but_for(*names: str) -> TwinSettings:
     """Instrument without errors but for fields such as ``leakage``, which are real."""
     return TwinSettings.ideal(**{name: getattr(REAL, name) for name in names})
 
 
-def simulated(
+def simulated_errors(
     settings: TwinSettings,
     target: Plane,
     mode: str,

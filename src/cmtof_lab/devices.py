@@ -16,7 +16,7 @@ from cmtof.hardware.rf import CODES
 from cmtof.hardware.rig import LIGHT, SAMPLE_RATE, Rig
 from cmtof.hardware.roles import Requests, RfLock, RfStatus, Waiting
 from cmtof.types import Array, Counts, Fields, Named, Texts
-from cmtof_lab.comparison import fringes, quadratures
+from cmtof_lab.compared_bursts import fringes, quadratures
 from cmtof_lab.electronics import CENTRE, SLOPE
 from cmtof_lab.instrument import Panel, RfKnobs, SimulatedInstrument
 
@@ -33,7 +33,7 @@ FLIPPED = {"reference": "target_in_beam", "photodiode": "photodiode_lit"}
 # knobs of the panel that follow a digital line, and that of the flip mirror by where it leads
 
 
-def nothing(self: object, *values: float, **options: float) -> None:
+def do_nothing(self: object, *values: float, **options: float) -> None:
     """No operation: on a real device it takes time or may fail."""
 
 
@@ -52,17 +52,17 @@ class SimulatedDevice:
     def identify(self) -> Texts:
         return {"model": type(self).__name__, "serial_number": f"TWIN-{self.name}"}
 
-    safe_state = nothing
-    close = nothing
+    safe_state = do_nothing
+    close = do_nothing
 
 
 class SimulatedRf(SimulatedDevice):
     """RF driver of the emission or the detection."""
 
     edges = 0
-    set_dead_man = nothing
-    clear_trip = nothing
-    ping = nothing
+    set_dead_man = do_nothing
+    clear_trip = do_nothing
+    ping = do_nothing
 
     @property
     def knobs(self) -> RfKnobs:
@@ -75,7 +75,7 @@ class SimulatedRf(SimulatedDevice):
         self.knobs.power = dbm
 
     def set_phase(self, rad: float) -> None:
-        self.knobs.phase = float(_coded(rad))
+        self.knobs.phase = float(_round_to_codes(rad))
 
     def output(self, on: bool, *, lock_timeout: float = 10.0) -> None:
         self.knobs.on = on
@@ -93,7 +93,7 @@ class SimulatedRf(SimulatedDevice):
         return RfLock(self.status().locked, detuning, self.knobs.power + lost)
 
     def load_table(self, phases: Array) -> None:
-        self.knobs.table = _coded(phases)
+        self.knobs.table = _round_to_codes(phases)
 
     def trigger(self, on: bool) -> None:
         if not on:
@@ -109,9 +109,9 @@ class SimulatedRf(SimulatedDevice):
 class SimulatedClock(SimulatedDevice):
     """Function generator that both RF drivers are locked to."""
 
-    reset = nothing
-    sine = nothing
-    lock_phases = nothing
+    reset = do_nothing
+    sine = do_nothing
+    lock_phases = do_nothing
 
     def output(self, channel: int, on: bool) -> None:
         self.panel.clock_on = on
@@ -144,7 +144,7 @@ class SimulatedMotor(SimulatedDevice):
 class SimulatedPowerMeter(SimulatedDevice):
     """Integrating sphere behind the first beam splitter; it averages nothing."""
 
-    set_up = nothing
+    set_up = do_nothing
 
     @property
     def power(self) -> float:
@@ -154,7 +154,7 @@ class SimulatedPowerMeter(SimulatedDevice):
 class SimulatedReadOut(SimulatedDevice):
     """Read-out: digital lines, mirrors on two registers, bursts, the trigger line."""
 
-    watchdog = nothing
+    watchdog = do_nothing
     rate = SAMPLE_RATE
     rig: Rig  # how it is wired
     triggered: SimulatedRf  # whose table the trigger line steps through
@@ -254,7 +254,7 @@ def simulated_devices(instrument: SimulatedInstrument, rig: Rig) -> Fields:
     return devices
 
 
-def _coded(phases: ArrayLike) -> Array:
+def _round_to_codes(phases: ArrayLike) -> Array:
     """Phases as the drivers' codes hold them, rad in [0, 2 pi)."""
     codes = np.rint(np.multiply(phases, CODES) / TAU) % CODES
     return codes * (TAU / CODES)

@@ -142,7 +142,7 @@ class Interferometer(Ranger):
         shown = seen._replace(amplitude=seen.amplitude * speckle)
         believed = self.wavelength * (1 + self.wavelength_error * rng.standard_normal())
         way = self._way(target, positions, stations, rng)
-        counted = self._counted(way, shown, rng)
+        counted = self._count_phase(way, shown, rng)
         moved = np.append(0.0, counted[stations[1:]] * believed / (2 * TAU))
         return target.distance + positions[0] + moved
 
@@ -161,14 +161,14 @@ class Interferometer(Ranger):
         """True travel, m, at each reading: stage, shaking, and the drift of temperature."""
         reached = stops + self.stage_error * rng.standard_normal(stops.size)
         way = _along(stations, reached - reached[0])
-        shaken = _carried(circular_normals(rng, way.size), self.decay).real
+        shaken = _first_order_process(circular_normals(rng, way.size), self.decay).real
         forgotten = -self.reading_time / self.drift_time
-        slow = _carried(rng.standard_normal(way.size), forgotten)
+        slow = _first_order_process(rng.standard_normal(way.size), forgotten)
         warmth = (self.expansion + AIR_PER_KELVIN) * self.temperature_drift
         drifted = target.distance * warmth * (slow - slow[0])
         return way + self.shaking * shaken + drifted
 
-    def _counted(self, way: Array, shown: Fringes, rng: Generator) -> Array:
+    def _count_phase(self, way: Array, shown: Fringes, rng: Generator) -> Array:
         """Phase, rad, counted from reading to reading, from the plate's own, which is known."""
         noise = np.sqrt(2 * shown.variance / self.steps) * circular_normals(
             rng, way.size
@@ -201,7 +201,7 @@ def _along(stations: Numbers, values: NDArray) -> NDArray:
     return np.interp(np.arange(stations[-1] + 1), stations, values)
 
 
-def _carried(normals: NDArray, exponent: complex) -> NDArray:
+def _first_order_process(normals: NDArray, exponent: complex) -> NDArray:
     """Stationary first-order process of unit variance, ``x_k = exp(exponent) x_(k-1) + rest``."""
     keep = np.exp(exponent)
     fresh = np.sqrt(1 - abs(keep) ** 2) * normals

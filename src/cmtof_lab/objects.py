@@ -51,8 +51,10 @@ def object_mesh(name: str) -> Trimesh:
     From any point of the scene light has a range of 0.77 to 1.19 m: the wraps 36 to 56.
     """
     held = OBJECTS[name]
-    mesh = _staged(map(_piece, held["pieces"]), 1.2, WALL, 0.4, 0.55)
-    return _before(mesh, held["pitch"], held["middle"], held.get("distance", DISTANCE))
+    mesh = _stage(map(_piece, held["pieces"]), 1.2, WALL, 0.4, 0.55)
+    return _place_scene(
+        mesh, held["pitch"], held["middle"], held.get("distance", DISTANCE)
+    )
 
 
 def still_life(names: Sequence[str], rng: Generator) -> tuple[Trimesh, float]:
@@ -61,18 +63,18 @@ def still_life(names: Sequence[str], rng: Generator) -> tuple[Trimesh, float]:
     many = len(names) > 1
     places = rng.permutation(np.linspace(-0.1, 0.1, len(names)) * many)
     places += rng.uniform(-0.04, 0.04, len(names))
-    things = [_posed(name, x, many, rng) for x, name in zip(places, names, strict=True)]
-    mesh = _staged(things, 1.6, *rng.uniform([0.16, 0.15, 0.15], [0.27, 0.7, 0.8]))
+    things = [_pose(name, x, many, rng) for x, name in zip(places, names, strict=True)]
+    mesh = _stage(things, 1.6, *rng.uniform([0.16, 0.15, 0.15], [0.27, 0.7, 0.8]))
     turn = rng.normal(0, 0.12)
     share, farther, view = rng.uniform([0.35, -0.03, 0.32], [0.65, 0.02, 0.43])
     middle = share * max(thing.bounds[1, 2] for thing in things)
-    return _before(mesh, pitch, middle, DISTANCE + farther, turn), view
+    return _place_scene(mesh, pitch, middle, DISTANCE + farther, turn), view
 
 
-def _posed(name: str, x: float, many: bool, rng: Generator) -> Any:
+def _pose(name: str, x: float, many: bool, rng: Generator) -> Any:
     """A thing stretched, turned, one in five laid down, and put on the table; smaller of many."""
     size = rng.uniform(0.75 - 0.25 * many, 1.15 - 0.2 * many)
-    pieces = [_refinished(_piece(one), rng) for one in OBJECTS[name]["pieces"]]
+    pieces = [_refinish(_piece(one), rng) for one in OBJECTS[name]["pieces"]]
     mesh: Any = concatenate(pieces)
     points = mesh.vertices * size * rng.uniform(0.8, 1.25, 3)
     laid = rng.choice([90, -90]) if rng.uniform() < 0.2 else 0
@@ -85,7 +87,7 @@ def _posed(name: str, x: float, many: bool, rng: Generator) -> Any:
     return mesh.apply_translation(np.subtract([x, y, 0], foot))
 
 
-def _refinished(piece: Trimesh, rng: Generator) -> Trimesh:
+def _refinish(piece: Trimesh, rng: Generator) -> Trimesh:
     """A piece that is darker or brighter, one in five more or less polished."""
     held = piece.vertex_attributes
     brighter = held["reflectance"] * np.exp(rng.uniform(-0.8, 0.8))
@@ -95,18 +97,18 @@ def _refinished(piece: Trimesh, rng: Generator) -> Trimesh:
     return piece
 
 
-def _staged(things: Iterable[Trimesh], wide: float, wall: float, *looks: float) -> Any:
+def _stage(things: Iterable[Trimesh], wide: float, wall: float, *looks: float) -> Any:
     """Things on a table before a wall ``wall`` m behind the origin, looks those of both."""
     board = _box((wide, 0.75 * wide, 0.01))
     back = _box((wide, 0.01, wide))
     ground = [
-        _finished(board, looks[0], at=(0, -wide / 8, -0.01)),
-        _finished(back, looks[1], at=(0, wall + 0.005, -0.1)),
+        _finish(board, looks[0], at=(0, -wide / 8, -0.01)),
+        _finish(back, looks[1], at=(0, wall + 0.005, -0.1)),
     ]
     return concatenate([*things, *ground])
 
 
-def _before(
+def _place_scene(
     mesh: Any,
     pitch: float,
     middle: float,
@@ -144,7 +146,7 @@ def gage_blocks(
         [4, 6, 7],
     ]
     blocks = mesh_from(np.stack([x, y, z], -1), faces)
-    return _finished(blocks, STEEL, MIRRORED)
+    return _finish(blocks, STEEL, MIRRORED)
 
 
 def _piece(stated: Fields) -> Trimesh:
@@ -152,10 +154,10 @@ def _piece(stated: Fields) -> Trimesh:
     kind = next(word for word in SHAPES if word in stated)
     place = {key: stated[key] for key in ("mirrored", "at", "turn") if key in stated}
     look = getattr(finishes, str(stated["look"]), stated["look"])
-    return _finished(SHAPES[kind](stated), look, **place)
+    return _finish(SHAPES[kind](stated), look, **place)
 
 
-def _finished(
+def _finish(
     shape: Trimesh,
     look: Any,
     mirrored: float = 0,
@@ -176,7 +178,7 @@ def _finished(
 def _body(stated: Fields) -> Trimesh:
     """A smooth upright body by its profile."""
     sections = np.array(CATALOGUE["profiles"][stated["body"]], float)
-    return _lathed(sections * stated.get("scale", 1.0), stated)
+    return _lathe(sections * stated.get("scale", 1.0), stated)
 
 
 def _ellipsoid(stated: Fields) -> Trimesh:
@@ -185,7 +187,7 @@ def _ellipsoid(stated: Fields) -> Trimesh:
     angle = np.linspace(-np.pi / 2, np.pi / 2, 81)
     height = z * np.sin(angle)
     breadths = np.outer(np.cos(angle), (x, y, y))
-    return _lathed(np.column_stack([height, breadths]), stated)
+    return _lathe(np.column_stack([height, breadths]), stated)
 
 
 def _box(size: Sequence[float]) -> Trimesh:
@@ -213,7 +215,7 @@ SHAPES = {
 }
 
 
-def _lathed(sections: Array, stated: Fields) -> Trimesh:
+def _lathe(sections: Array, stated: Fields) -> Trimesh:
     """Body of sections (height, half breadth, front, back), with its relief and its holes."""
     x, y, z = _skin(sections, stated.get("grid", (240, 400)))
     if "relief" in stated:

@@ -26,7 +26,7 @@ from cmtof_lab.electronics import SLOPE, Chain, density, volts_per_watt
 from cmtof_lab.instrument import Panel, RfKnobs, SimulatedInstrument
 from cmtof_lab.optics import ambient, emission_mean
 from cmtof_lab.settings import TwinSettings
-from cmtof_lab.sweep import WRAP, PhaseRanger, collected_power, visited
+from cmtof_lab.sweep import WRAP, PhaseRanger, collected_power, zero_positions
 from cmtof_lab.targets import Plane
 
 
@@ -88,7 +88,7 @@ class OpticalRanger(PhaseRanger):
     def day(self, target: Plane, positions: Array, rng: Generator) -> Array:
         """Estimated ranges (P,), m, of one sweep, unwrapped to the known wrap."""
         settings = self.before(target)
-        stated = np.append(visited(self.visits), positions)
+        stated = np.append(zero_positions(self.visits), positions)
         index = settings.group_index
         instrument = SimulatedInstrument(
             _another_day(settings, rng), seed=int(rng.integers(2**63))

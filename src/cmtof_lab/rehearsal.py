@@ -11,12 +11,12 @@ import numpy as np
 
 from cmtof.hardware.bench import Bench
 from cmtof.hardware.connect import connected_bench
-from cmtof.hardware.plan import BURST_INTERVAL, planned
+from cmtof.hardware.plan import BURST_INTERVAL, plan_scan
 from cmtof.hardware.rig import Rig
 from cmtof.hardware.scan import scan
 from cmtof.measurement import Measurement
 from cmtof.types import Pair, Shape
-from cmtof.validation import checked
+from cmtof.validation import checked_values
 from cmtof_lab.devices import simulated_devices
 from cmtof_lab.instrument import SimulatedInstrument
 from cmtof_lab.settings import TwinSettings
@@ -33,7 +33,7 @@ def simulated_bench(
     settings. A ValueError names the first setting in the file that cannot be.
     """
     if settings is None:
-        settings = checked(TwinSettings, rig.twin, "twin")
+        settings = checked_values(TwinSettings, rig.twin, "twin")
     scene = settings.scene if scene is None else scene
     instrument = SimulatedInstrument(settings, scene, seed=seed)
     about = {
@@ -55,7 +55,7 @@ def rig_of(path: str, **changes: Any) -> Rig:
     return replace(Rig.load(path) if path else Rig.default(), **changes)
 
 
-def opened(
+def open_bench(
     path: str,
     rig: Rig,
     scene: Any = None,
@@ -97,8 +97,8 @@ def scan_scene(
     """
     view = tuple(np.rad2deg(np.broadcast_to(field_of_view, 2)).tolist())
     rig = rig_of(path, field_of_view_deg=view, **rigged)
-    plan = planned(rig, size=size)
-    bench = partial(opened, path, rig, target, settings, seed=seed)
+    plan = plan_scan(rig, size=size)
+    bench = partial(open_bench, path, rig, target, settings, seed=seed)
     # every line of the journal waits for the disk: in memory there is nothing to wait for
     with tempfile.TemporaryDirectory(dir=MEMORY if MEMORY.is_dir() else None) as folder:
         data = scan(plan, bench, Path(folder, "m.nc")).dataset

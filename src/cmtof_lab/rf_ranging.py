@@ -18,7 +18,7 @@ from numpy.typing import ArrayLike
 from scipy.constants import Boltzmann, elementary_charge
 
 from cmtof.correlation import centred, phase_from_depth, wrapped
-from cmtof.hardware.ranging import straightened
+from cmtof.hardware.ranging import correct_quadratures
 from cmtof.hardware.rig import MODES, SAMPLE_RATE
 from cmtof.types import Array, Complex
 from cmtof_lab.instrument import DRIFT_RMS, drift
@@ -30,7 +30,12 @@ from cmtof_lab.optics import (
     spot_radius,
     trace,
 )
-from cmtof_lab.sweep import PhaseRanger, circular_normals, collected_power, visited
+from cmtof_lab.sweep import (
+    PhaseRanger,
+    circular_normals,
+    collected_power,
+    zero_positions,
+)
 from cmtof_lab.targets import Plane, Target
 
 
@@ -95,10 +100,10 @@ class RfRanger(PhaseRanger):
         """Voltages I + iQ behind the amplifiers of envelopes, V."""
         gain = 10 ** (self.amplitude_imbalance / 20)
         size = np.sqrt(self.gain_ahead) * self.baseband_gain
-        return size * skewed(envelopes, gain, self.phase_imbalance)
+        return size * skew_quadratures(envelopes, gain, self.phase_imbalance)
 
     @property
-    def sent(self) -> float:
+    def sent_light(self) -> float:
         """Light that is sent, W, but for the losses on the way back."""
         return sent_power(self.settings, self.mode) * inward(self.settings)
 
@@ -153,7 +158,7 @@ class RfRanger(PhaseRanger):
     def day(self, target: Plane, positions: Array, rng: Generator) -> Array:
         """Estimated ranges (P,), m, of one sweep."""
         count = self.visits
-        ranges = target.distance + np.append(visited(count), positions)
+        ranges = target.distance + np.append(zero_positions(count), positions)
         read = self.readings(target, ranges, rng)
         turned = read * np.exp(-1j * self.phase(ranges))
         zero = turned[:count].sum()
@@ -179,13 +184,13 @@ class RfRanger(PhaseRanger):
         constant = self.offsets @ np.exp(2j * np.pi * rng.random(2))
         constant = constant * (1 + self.drift * (slow[0] + 1j * slow[1]))
         place = ranges + self.stage_error * rng.standard_normal(ranges.size)
-        light = np.append(self._received(target, ranges, rng), 0.0)
+        light = np.append(self._received_light(target, ranges, rng), 0.0)
         turn = self.settings.phase_noise[MODES[self.mode] - 1] / np.sqrt(averaged)
         turn = turn * rng.standard_normal(times.size)
         turn += self.settings.phase_drift * slow[2]
         seen = self.phasor(light, np.append(place, 0.0), turn)
         seen += self.phasor(
-            self.sent * self.settings.back_fraction * (times > 0),
+            self.sent_light * self.settings.back_fraction * (times > 0),
             self.settings.back_range,
             turn,
         )
@@ -196,13 +201,17 @@ class RfRanger(PhaseRanger):
     def _read(self, envelopes: Complex, rng: Generator) -> Complex:
         """Readings (P,) of envelopes (P + 1,), V, of which the last is the blocked beam's."""
         known = np.array([10 ** (self.amplitude_imbalance / 20), self.phase_imbalance])
-        read = skewed(envelopes[:-1], *(known + self.drift * rng.standard_normal(2)))
+        read = skew_quadratures(
+            envelopes[:-1], *(known + self.drift * rng.standard_normal(2))
+        )
         if not self.calibrated:
             return read
         # the blocked beam is read, and the imbalance known, before they drift
-        return straightened(read - skewed(envelopes[-1], *known), *known)
+        return correct_quadratures(
+            read - skew_quadratures(envelopes[-1], *known), *known
+        )
 
-    def _received(self, target: Plane, ranges: Array, rng: Generator) -> Array:
+    def _received_light(self, target: Plane, ranges: Array, rng: Generator) -> Array:
         """Light on the photodiode, W, with the speckle of a rough target."""
         light = self.power(target, ranges)
         if not self.settings.speckle or target.mirrored:
@@ -217,7 +226,7 @@ class RfRanger(PhaseRanger):
         return 1 + swing / (2 * settings.fibre) * DRIFT_RMS * drifted
 
 
-def skewed(phasor: ArrayLike, gain: float, error: float) -> Complex:
+def skew_quadratures(phasor: ArrayLike, gain: float, error: float) -> Complex:
     """Reading of an I/Q mixer whose Q is ``gain`` too large and ``error``, rad, off 90 degrees."""
     turned = np.multiply(phasor, np.exp(1j * error))
     return np.real(phasor) + 1j * gain * turned.imag
@@ -227,7 +236,7 @@ def rf_image(ranger: RfRanger, target: Target, angles: Array, *, seed: int) -> A
     """Wrapped phase (...), rad, by RF demodulation at optical angles (..., 2), rad; noise alone."""
     paths = trace(target, np.reshape(angles, (-1, 2)), ranger.settings, seed)
     seen = ranger.seen_share(np.maximum(paths.range, 1e-3))
-    power = ranger.sent * paths.fraction * seen
+    power = ranger.sent_light * paths.fraction * seen
     # each ray of the spot has a phase of its own: on a slope they partly cancel
     read = ranger.phasor(power, paths.range).sum(-1)
     rng = np.random.default_rng([seed, 16, ranger.mode == "doubled"])

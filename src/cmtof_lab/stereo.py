@@ -173,7 +173,7 @@ def visible_from(points: Array, centre: ArrayLike) -> Flags:
     known = np.isfinite(points).all(-1)
     faces = mesh_triangles(points)
     points = np.nan_to_num(points)
-    return known & ~MeshTarget(points.reshape(-1, 3), faces).hidden(points, centre)
+    return known & ~MeshTarget(points.reshape(-1, 3), faces).is_hidden(points, centre)
 
 
 def scan_spots(

@@ -29,7 +29,7 @@ WRAP = float(wrap_length(FREQUENCY_SINGLE))  # m
 FREQUENCY = {"single": FREQUENCY_SINGLE, "doubled": FREQUENCY_DOUBLED}
 
 
-def visited(count: int) -> Array:
+def zero_positions(count: int) -> Array:
     """Stage positions (count,), m, that set a zero: over one wrap, where cyclic errors cancel."""
     return WRAP * ((np.arange(count) + 0.5) / count - 0.5)
 

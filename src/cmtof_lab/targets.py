@@ -180,13 +180,13 @@ class MeshTarget:
             cosine = np.abs(along) / np.linalg.norm(normal, axis=-1)
             return np.vecdot(a, normal) / along, np.nan_to_num(cosine)
 
-    def hidden(self, points: Array, eye: ArrayLike) -> Flags:
+    def is_hidden(self, points: Array, eye: ArrayLike) -> Flags:
         """Whether something stands between points (..., 3) of the surface and an eye (3,), m."""
         way = np.subtract(points.reshape(-1, 3), eye)
         far = np.linalg.norm(way, axis=-1)
         rays = (way / far[:, None]).astype(np.float32)
         reach = (far - SURFACE).astype(np.float32)
-        found = self._tracer.blocked(np.full_like(rays, eye), rays, reach)
+        found = self._tracer.is_blocked(np.full_like(rays, eye), rays, reach)
         return found.reshape(points.shape[:-1])
 
 

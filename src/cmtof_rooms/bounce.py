@@ -87,7 +87,7 @@ def measure_bounce(space: Array, look: Look) -> Bounce:
     return Bounce(
         low,
         high,
-        _filled(light.reshape(*shape, 6, 3), inside.reshape(shape)),
+        _fill_solids(light.reshape(*shape, 6, 3), inside.reshape(shape)),
     )
 
 
@@ -99,7 +99,7 @@ def _grid_axes(low: Array, high: Array) -> list[Array]:
     return [np.linspace(*limits) for limits in zip(low, high, counts, strict=True)]
 
 
-def _filled(light: Array, inside: Flags) -> Array:
+def _fill_solids(light: Array, inside: Flags) -> Array:
     """Light of a grid; a place inside a solid takes that of its nearest neighbour outside."""
     if inside.any() and not inside.all():
         nearest = distance_transform_edt(

@@ -41,7 +41,7 @@ class Rectangle(NamedTuple):
         """Size along x and y, m."""
         return self.end - self.start
 
-    def grown(
+    def grow(
         self, left: float, right: float, below: float, above: float
     ) -> "Rectangle":
         """Rectangle that reaches further by margins, m, below x0, above x1, below y0, above y1."""
@@ -156,6 +156,6 @@ class Box(NamedTuple):
         return self._replace(**{axis + "0": middles - half, axis + "1": middles + half})
 
 
-def mirrored(distance: float) -> Array:
+def both_sides(distance: float) -> Array:
     """Both places at a distance, m, from the middle."""
     return np.array([-distance, distance])

@@ -210,7 +210,7 @@ def pipe(
     number = kit.count((1, 2))
     paths = _rails(space, radius, number) if level else _risers(space, number)
     for path in paths:
-        yield metal, sweep(_rounded(path), radius, 10)
+        yield metal, sweep(_round_corners(path), radius, 10)
 
 
 def _risers(space: Box, number: int) -> list[Array]:
@@ -229,7 +229,7 @@ def _rails(space: Box, radius: float, number: int) -> list[Array]:
     return [np.array([(-x, y, z), (-x, -y, z), (x, -y, z), (x, y, z)]) for z in heights]
 
 
-def _rounded(path: Array) -> Array:
+def _round_corners(path: Array) -> Array:
     """The path with three points close to each inner corner."""
     corners = path[1:-1]
     before = corners + 0.2 * (path[:-2] - corners)

@@ -60,7 +60,7 @@ class Tracer:
         found = self._scene.run(origins, directions, output=1)
         return RayHits(found["tfar"], found["primID"], found["u"], found["v"])
 
-    def blocked(self, origins: Array, directions: Array, reach: Array) -> Flags:
+    def is_blocked(self, origins: Array, directions: Array, reach: Array) -> Flags:
         """Whether anything lies within ``reach``, (N,), m, along each ray."""
         return self._scene.run(origins, directions, dists=reach, query="OCCLUDED") == 0
 

@@ -8,7 +8,7 @@ from collections.abc import Sequence
 import numpy as np
 
 from cmtof.types import Pair, Shape
-from cmtof_rooms.boxes import Box, Rectangle, mirrored
+from cmtof_rooms.boxes import Box, Rectangle, both_sides
 from cmtof_rooms.kit import Kit, Piece, Solids, Top
 from cmtof_rooms.materials import Material
 from cmtof_rooms.solids import (
@@ -23,8 +23,8 @@ from cmtof_rooms.solids import (
 def posts(x: float, y: float, thickness: float, z0: float, z1: float) -> Box:
     """Four upright bars about (±x, ±y), m."""
     half = thickness / 2
-    column = mirrored(x)[:, None]
-    row = mirrored(y)
+    column = both_sides(x)[:, None]
+    row = both_sides(y)
     return Box(column - half, column + half, row - half, row + half, z0, z1)
 
 
@@ -70,7 +70,7 @@ def _leg_panels(kit: Kit, wood: Material, board: Box) -> Piece:
     """Two upright panels below a table's board."""
     y = 0.95 * board.y1
     below = Box(0, 0, -y, y, 0, board.z0)
-    yield wood, below.bars("x", mirrored(board.x1 - 0.06), 0.02)
+    yield wood, below.bars("x", both_sides(board.x1 - 0.06), 0.02)
 
 
 def _four_legs(kit: Kit, wood: Material, board: Box) -> Piece:
@@ -81,7 +81,7 @@ def _four_legs(kit: Kit, wood: Material, board: Box) -> Piece:
     yield wood, posts(x, y, thickness, 0, board.z0)
     if board.z1 > 0.5:
         below = Box(-x, x, 0, 0, board.z0 - 0.11, board.z0)
-        yield wood, below.bars("y", mirrored(y), 0.01)
+        yield wood, below.bars("y", both_sides(y), 0.01)
 
 
 # What carries a table, by the name that `presets.yml` uses.
@@ -115,7 +115,7 @@ def _chair(kit: Kit, space: Box, *, back: bool) -> Piece:
         behind = Box(-x, x, y - half, y + half, level, height)
         low = level + 0.5 * (height - level) if kit.chance(0.5) else level + 0.08
         board = behind.cut(y0=y - 0.012, y1=y + 0.012, z0=low)
-        yield wood, behind.bars("x", mirrored(x), half), board
+        yield wood, behind.bars("x", both_sides(x), half), board
 
 
 def _sofa(kit: Kit, space: Box, *, arms: bool) -> Piece:

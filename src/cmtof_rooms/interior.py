@@ -96,7 +96,9 @@ class Interior:
         area = np.linalg.norm(across, axis=1, keepdims=True)
         self.normals = across / np.maximum(area, 1e-30)
         self._offsets = (self.normals * a).sum(axis=1)
-        self.bounce = measure_bounce(np.asarray(space, np.float32), self.lit)
+        self.bounce = measure_bounce(
+            np.asarray(space, np.float32), self.reflected_radiance
+        )
 
     def thing_of(self, triangle: Numbers) -> Numbers:
         """Number of the thing, from 1 on, that each triangle of given number belongs to."""
@@ -124,7 +126,7 @@ class Interior:
             footprint.astype(np.float32),
         )
         light = self._direct_smooth(seen, shape)
-        light += self._scattered(seen, shape)
+        light += self._bounced_light(seen, shape)
         color = albedo * (light + self.palette.emission[seen.part][:, None])
         missed = seen.part < 0
         color[missed] = self.sky
@@ -198,11 +200,15 @@ class Interior:
             if facing.any():
                 given *= np.maximum(-(to @ facing), 0)
             some = np.flatnonzero(given > 0)
-            lit = some[~self.tracer.blocked(start[some], to[some], reach[some] * 0.999)]
+            lit = some[
+                ~self.tracer.is_blocked(start[some], to[some], reach[some] * 0.999)
+            ]
             found[lit] += given[lit, None] * np.asarray(light.colour, np.float32)
         return found
 
-    def lit(self, origins: Array, directions: Array) -> tuple[Array, Flags]:
+    def reflected_radiance(
+        self, origins: Array, directions: Array
+    ) -> tuple[Array, Flags]:
         """Radiance along rays of what the lights fall on, without lamps and sky themselves.
 
         Parameters
@@ -229,7 +235,7 @@ class Interior:
         behind[met] = back
         return radiance, behind
 
-    def _scattered(self, seen: Surface, shape: Shape) -> Array:
+    def _bounced_light(self, seen: Surface, shape: Shape) -> Array:
         """Irradiance (N, 3) by one bounce; it varies slowly: 2 x 2 pixels of a surface share it."""
         y, x = np.indices(shape).reshape(2, -1) // 2 * 2
         lead = y * shape[1] + x

@@ -98,7 +98,7 @@ def add_windows(kit: Kit, shell: Shell, wall: Wall, *, view: bool) -> None:
     head *= shell.height
     starts = each * (np.arange(count) + 0.5) - width / 2
     holes = [Rectangle(x, x + width, sill, head) for x in starts.tolist()]
-    holes = [hole for hole in holes if wall.free(hole.grown(0.1, 0.1, 0, 0))]
+    holes = [hole for hole in holes if wall.free(hole.grow(0.1, 0.1, 0, 0))]
     if holes:
         _glaze(kit, shell, wall, holes, view=view)
         power = len(holes) * width * (head - sill) * shell.sky / np.pi

@@ -16,10 +16,10 @@ import numpy as np
 from numpy.typing import ArrayLike
 from scipy.special import ndtri
 
-from cmtof.files import alone, read_document, written_whole
+from cmtof.files import atomic_output, exclusive_lock, read_document
 from cmtof.frame import Frame, brightness
 from cmtof.hypersim import FILES, View, write_metadata
-from cmtof.terminal import later
+from cmtof.terminal import delay_interrupts
 from cmtof.types import Shape
 from cmtof_rooms.cameras import Camera, Lens
 from cmtof_rooms.interior import Picture
@@ -244,7 +244,7 @@ def write_view(
                 compression_opts=1,
                 shuffle=True,
             )
-        with written_whole(path) as part:
+        with atomic_output(path) as part:
             part.write_bytes(content.getvalue())
 
 
@@ -306,7 +306,7 @@ def render_rooms(
     }
     reports = []
     root.mkdir(parents=True, exist_ok=True)
-    with alone(root, wait=True):
+    with exclusive_lock(root, wait=True):
         _claim(root, settings)
         write_metadata(root, (settings.height, settings.width), scenes)
         for report in _each(root, settings, workers or os.cpu_count() or 1):
@@ -324,7 +324,7 @@ def _each(root: Path, settings: Settings, workers: int) -> Iterator[Report]:
     spawn = get_context("spawn")
     with ProcessPoolExecutor(workers, mp_context=spawn, initializer=_follow) as pool:
         try:
-            with later():  # Ctrl-C is for the parent
+            with delay_interrupts():  # Ctrl-C is for the parent
                 reports = pool.map(render, range(settings.scenes))
             yield from reports
         finally:
@@ -358,5 +358,5 @@ def _claim(root: Path, settings: Settings) -> None:
             f"Expected an empty folder or a set of rooms, got other files in {root}. "
             "Choose another folder."
         )
-    with written_whole(path) as part:
+    with atomic_output(path) as part:
         part.write_text(json.dumps(wanted, indent=2) + "\n", encoding="utf-8")

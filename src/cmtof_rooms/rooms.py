@@ -123,14 +123,14 @@ def build_room(seed: int, index: int) -> FurnishedRoom:
         seed,
         index,
         kind,
-        _lit(shell, inside),
+        _light_room(shell, inside),
         shell.floor,
         shell.height,
         _numbers(shell, inside),
     )
 
 
-def _lit(shell: Shell, inside: Furnishing) -> Interior:
+def _light_room(shell: Shell, inside: Furnishing) -> Interior:
     """The furnished room with its strongest lights."""
     size = np.array([shell.width, shell.depth, shell.height])
     return Interior(

@@ -71,11 +71,11 @@ class Wall:
     def cut(self, hole: Rectangle, side: float = 0.05, above: float = 0.05) -> None:
         """Cut a hole; at its sides and above it nothing else fits, m."""
         self.holes.append(hole)
-        self.taken.append(hole.grown(side, side, 0.03, above))
+        self.taken.append(hole.grow(side, side, 0.03, above))
 
     def solid(self, height: float) -> Trimesh:
         """The wall itself, to a height, m, a little longer than the room at both ends."""
-        holes = [hole.grown(-THICKNESS, THICKNESS, 0, 0) for hole in self.holes]
+        holes = [hole.grow(-THICKNESS, THICKNESS, 0, 0) for hole in self.holes]
         whole = plate(self.length + 2 * THICKNESS, height, THICKNESS, holes)
         return move(whole, (-THICKNESS, 0, 0))
 

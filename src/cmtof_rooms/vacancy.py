@@ -162,7 +162,7 @@ class Vacancy:
             self._take(area, height)
             if reach:
                 self.clear.append(wall.footprint(spot, front - reach, front))
-        wall.taken.append(spot.grown(0.03, 0.03, 0.03, 0.05))
+        wall.taken.append(spot.grow(0.03, 0.03, 0.03, 0.05))
         x, y, _ = wall.place((spot.x0 + width / 2, -depth / 2 - gap, 0.0))
         return Place(x, y, spot.y0, wall.turn)
 
@@ -171,7 +171,7 @@ class Vacancy:
         flat = kind["at"] == "flat"
         margin = kind.get("clear", 0.15)
         floor = self._some_floor()
-        turn, covered = self._turned(size, flat)
+        turn, covered = self._draw_turn(size, flat)
         if (floor.size < covered + 2 * margin).any():
             return None
         spare = floor.size - covered - 2 * margin
@@ -183,7 +183,7 @@ class Vacancy:
         elif self.fits(
             area,
             size[2],
-            area.grown(margin, margin, margin, margin),
+            area.grow(margin, margin, margin, margin),
             self.clear,
         ):
             self._take(area, size[2])
@@ -191,7 +191,7 @@ class Vacancy:
             return None
         return Place(middle[0], middle[1], 0.0, turn)
 
-    def _turned(self, size: Extents, flat: bool) -> tuple[float, Array]:
+    def _draw_turn(self, size: Extents, flat: bool) -> tuple[float, Array]:
         """Draw a turn, rad, and say what size of the floor, m, a thing then covers."""
         width, depth, _ = size
         quarters = self.kit.rng.integers(4)

@@ -190,7 +190,7 @@ def test_the_network_of_the_page_is_the_one_that_is_shipped(measurement):
 
     session = InferenceSession(laboratory.light_network())
     path = weights.weights_path("fast-scnn-light", "released")
-    expected = inference.output(inference.load_network(path), measurement)
+    expected = inference.graph_output(inference.load_network(path), measurement)
     images = inference.network_images(measurement, "beat")
     (found,) = session.run(None, {"beat": features(*images, "beat")[None]})
     assert_allclose(found[0], expected, rtol=0, atol=1e-4)

@@ -23,7 +23,7 @@ def plane(height, width):
 def random_field(rng, height, width, labels):
     phase = rng.uniform(0, TAU, (height, width))
     beat = rng.normal(0, 2 * mrf.JUMP, (height, width, 2))
-    return mrf.Field(
+    return mrf.RandomField(
         phase.astype(np.float32),
         beat.astype(np.float32),
         np.linspace(0, 2.5, labels),

@@ -13,7 +13,7 @@ from registers import ACCESS
 
 from cmtof.correlation import TAU
 from cmtof.hardware.apt import MOTORS, UNITS
-from cmtof.hardware.rf import CODES, framed
+from cmtof.hardware.rf import CODES, line_with_checksum
 from cmtof.hardware.rig import LINES, Rig
 from cmtof_lab.rehearsal import simulated_bench
 
@@ -122,7 +122,7 @@ class Firmware:
         self.look()
         self.heard = self.clock()
         head, word, *arguments = line.decode().rpartition("*")[0].split()
-        return framed(f"<{head[1:]} {self.obey(word, *arguments)}".strip())
+        return line_with_checksum(f"<{head[1:]} {self.obey(word, *arguments)}".strip())
 
     def obey(self, word, *arguments):
         """Answer to a request."""

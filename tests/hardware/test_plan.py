@@ -5,7 +5,7 @@ from numpy.testing import assert_allclose
 from pytest import approx, mark
 
 from cmtof.correlation import phase_from_depth
-from cmtof.hardware.plan import planned
+from cmtof.hardware.plan import plan_scan
 from cmtof.hardware.reduction import (
     calibrate,
     nominal_psi,
@@ -14,7 +14,7 @@ from cmtof.hardware.reduction import (
 from cmtof.hardware.rig import Rig
 
 RIG = Rig.default()
-PLAN = planned(RIG, size=4)
+PLAN = plan_scan(RIG, size=4)
 
 
 def test_every_burst_has_its_own_label():
@@ -25,7 +25,7 @@ def test_every_burst_has_its_own_label():
 
 
 def test_rays_are_those_of_a_pinhole():
-    plan = planned(RIG, size=(3, 5))
+    plan = plan_scan(RIG, size=(3, 5))
     assert_allclose(
         np.diff(np.tan(plan.angles[..., 0]), axis=1), 2 * np.tan(np.deg2rad(10)) / 5
     )

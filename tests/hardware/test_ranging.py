@@ -12,7 +12,7 @@ from cmtof.hardware.rig import Rig
 from cmtof_lab.instrument import amplitude
 from cmtof_lab.rehearsal import simulated_bench
 from cmtof_lab.settings import TwinSettings
-from cmtof_lab.sweep import POSITIONS, visited
+from cmtof_lab.sweep import POSITIONS, zero_positions
 from cmtof_lab.targets import MIRROR
 
 RIG = replace(Rig.default(), flip_mirror="photodiode")
@@ -40,7 +40,7 @@ def test_each_instrument_follows_the_stage(bench_of, way, worst):
     """Within a thousandth of a wrap, and a quarter of a fringe; RF needs more light."""
     target = replace(MIRROR, reflectance=1e-2 if way == "rf" else 6e-6)
     bench = bench_of(replace(KNOWN, reference=target))
-    seen = sweep(bench, way, np.append(visited(8), POSITIONS))
+    seen = sweep(bench, way, np.append(zero_positions(8), POSITIONS))
     assert 0 < np.abs(sweep_errors(seen, target.distance, visits=8)[8:]).max() < worst
     assert (seen["laser_power"] > 0).all()
     panel = bench.daq.panel
@@ -89,8 +89,10 @@ def test_a_plate_that_is_turned_tells_its_zero_and_the_splitters_extinction(
 
 
 def test_stray_light_of_constant_phase_errs_once_a_wrap(bench_of):
-    clean = cyclic_error(bench_of(IDEAL), visited(16))
+    clean = cyclic_error(bench_of(IDEAL), zero_positions(16))
     assert clean.max() < 2e-7
-    found = cyclic_error(bench_of(replace(IDEAL, back_fraction=1e-9)), visited(16))
+    found = cyclic_error(
+        bench_of(replace(IDEAL, back_fraction=1e-9)), zero_positions(16)
+    )
     assert found.argmax() == 0
     assert found[0] > 10 * clean.max()

@@ -14,7 +14,7 @@ from wire import with_device
 from cmtof.files import read_document
 from cmtof.hardware.connect import connected_driver
 from cmtof.hardware.device import ConnectionLost, Unsafe, one_error
-from cmtof.hardware.plan import planned
+from cmtof.hardware.plan import plan_scan
 from cmtof.hardware.rig import DRIVERS, Rig
 from cmtof_lab.rehearsal import simulated_bench
 
@@ -71,7 +71,7 @@ def test_a_view_beyond_the_mirrors_is_refused():
         RIG, mirror_volts_per_degree=(1.0, 1.0), field_of_view_deg=(60.0, 20.0)
     )
     with raises(ValueError, match="Expected mirrors within 10 V, got 13.4 V"):
-        planned(steep, size=8)
+        plan_scan(steep, size=8)
 
 
 @mark.parametrize(

@@ -14,10 +14,10 @@ from wire import WALL
 
 import cmtof
 from cmtof.correlation import centred, phase_from_depth
-from cmtof.files import alone, read_document
+from cmtof.files import exclusive_lock, read_document
 from cmtof.hardware.device import BadReply, InstrumentTimeout, Unsafe
 from cmtof.hardware.journal import journal_path, whole_lines
-from cmtof.hardware.plan import mirror_settling, planned
+from cmtof.hardware.plan import mirror_settling, plan_scan
 from cmtof.hardware.rig import Rig
 from cmtof.hardware.scan import scan
 from cmtof.measurement import open_measurement
@@ -28,7 +28,7 @@ from cmtof_lab.targets import MIRROR, Plane
 
 WRONG = read_document(Path(__file__).with_name("wrong.yml"))
 RIG = replace(Rig.default(), phases=4, samples_per_phase=14)
-PLAN = planned(RIG, size=4)
+PLAN = plan_scan(RIG, size=4)
 DARK = TwinSettings.ideal(reference=Plane(0.6, reflectance=0.0), ambient_radiance=0.1)
 
 
@@ -38,7 +38,7 @@ def take(output, rig=RIG, prepare=lambda bench: None, twin=None, **options):
     panel = bench.daq.panel
     prepare(bench)
     try:
-        scan(planned(rig, size=4), lambda: bench, output, **options)
+        scan(plan_scan(rig, size=4), lambda: bench, output, **options)
     finally:
         assert not (panel.laser_on or panel.shutter_open or panel.beam_block_out)
         assert not (panel.emission.on or panel.detection.on)
@@ -143,7 +143,7 @@ def test_a_scan_begun_is_not_overwritten_nor_gone_on_with_otherwise(stopped):
     with raises(ValueError, match="got another phases, 4"):
         take(stopped, rig=replace(RIG, phases=8), resume=True)
     with (
-        alone(journal_path(stopped)),
+        exclusive_lock(journal_path(stopped)),
         raises(ValueError, match="to be free, got a process that is writing it"),
     ):
         take(stopped, resume=True)

@@ -12,7 +12,7 @@ from wire import RIG, TODAY, WALL, with_device
 
 from cmtof.hardware.connect import connected_bench, connected_driver
 from cmtof.hardware.device import ConnectionLost, InstrumentError, Refused
-from cmtof.hardware.plan import planned
+from cmtof.hardware.plan import plan_scan
 from cmtof.hardware.scan import scan
 from cmtof_lab.rehearsal import simulated_bench
 
@@ -24,7 +24,7 @@ def take(world, tmp_path):
     def taken(**changes):
         rig = replace(world.rig, **changes)
         return scan(
-            planned(rig, size=2), partial(connected_bench, rig), tmp_path / "m.nc"
+            plan_scan(rig, size=2), partial(connected_bench, rig), tmp_path / "m.nc"
         )
 
     return taken
@@ -39,7 +39,7 @@ def test_counts_are_those_of_the_simulation_with_slow_parts(world, take, tmp_pat
     assert world.dark
     bench = partial(simulated_bench, RIG, WALL, seed=4)
     wanted = scan(
-        planned(replace(RIG, **air), size=2), bench, tmp_path / "simulated.nc"
+        plan_scan(replace(RIG, **air), size=2), bench, tmp_path / "simulated.nc"
     )
     assert (found.dataset["time"] > TODAY).all()
     usual, thin = (one.dataset.attrs["group_index"] - 1 for one in (wanted, found))

@@ -88,7 +88,7 @@ def whole_measurement():
 @cache
 def whole_journal():
     """Journal of a scan of 2 x 2 px that was stopped before its last lines."""
-    from cmtof.hardware.plan import planned
+    from cmtof.hardware.plan import plan_scan
     from cmtof.hardware.rig import Rig
     from cmtof.hardware.scan import scan
     from cmtof_lab.rehearsal import simulated_bench
@@ -102,5 +102,5 @@ def whole_journal():
     with tempfile.TemporaryDirectory() as folder:
         output = Path(folder, "out.nc")
         with contextlib.suppress(KeyboardInterrupt):
-            scan(planned(rig, size=2), lambda: bench, output, report=stop)
+            scan(plan_scan(rig, size=2), lambda: bench, output, report=stop)
         return output.with_name("out.nc.journal").read_bytes()

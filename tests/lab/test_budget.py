@@ -3,7 +3,7 @@
 import numpy as np
 from pytest import approx, mark
 
-from cmtof_lab.budget import budget_terms, only, simulated
+from cmtof_lab.budget import budget_terms, ideal_but_for, simulated_errors
 from cmtof_lab.settings import TwinSettings
 from cmtof_lab.targets import MIRROR, PLATE
 
@@ -24,8 +24,12 @@ def rms(errors):
 )
 def test_closed_forms_meet_the_simulation(name, field, mode):
     """Days tell a root mean square to 1/sqrt(2 days) or so; three of these."""
-    errors = simulated(only(field), MIRROR, mode, days=80, seed=1, **STILL)
-    floor = rms(simulated(TwinSettings.ideal(), MIRROR, mode, days=5, seed=1, **STILL))
+    errors = simulated_errors(
+        ideal_but_for(field), MIRROR, mode, days=80, seed=1, **STILL
+    )
+    floor = rms(
+        simulated_errors(TwinSettings.ideal(), MIRROR, mode, days=5, seed=1, **STILL)
+    )
     found = np.sqrt(rms(errors) ** 2 - floor**2)
     assert found == approx(
         budget_terms(MIRROR, mode, days=1)[name], rel=3 / np.sqrt(160)
@@ -43,5 +47,5 @@ def test_leakage_averages_out_in_the_single_mode_alone():
 def test_the_sum_of_squares_is_the_whole():
     """The drift's rms over 100 days is known to 10 %."""
     terms = budget_terms(PLATE)
-    errors = simulated(TwinSettings(), PLATE, "single", days=100, seed=3)
+    errors = simulated_errors(TwinSettings(), PLATE, "single", days=100, seed=3)
     assert rms(errors) == approx(rms(list(terms.values())) * len(terms) ** 0.5, rel=0.2)

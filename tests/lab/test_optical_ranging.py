@@ -7,7 +7,7 @@ from numpy.testing import assert_array_equal
 from pytest import approx, mark
 
 from cmtof.correlation import TAU, wrap_length
-from cmtof_lab.budget import back_ratio, only
+from cmtof_lab.budget import back_ratio, ideal_but_for
 from cmtof_lab.electronics import volts_from_counts
 from cmtof_lab.instrument import BURST_INTERVAL, SimulatedInstrument
 from cmtof_lab.optical_ranging import OpticalRanger
@@ -58,7 +58,7 @@ def test_without_errors_the_range_is_right(mode, most):
 
 def test_coaxial_light_makes_a_cyclic_error():
     """To first order its share of the light, as a phase, at the crest of a wrap."""
-    ranger = OpticalRanger(only("back_fraction"), **STILL)
+    ranger = OpticalRanger(ideal_but_for("back_fraction"), **STILL)
     places = np.linspace(0, wrap_length(ranger.frequency), 24, endpoint=False)
     errors = ranger.sweep(PLATE, places, repeats=1, seed=0)[0] - 0.6 - places
     crest = back_ratio(TwinSettings(), PLATE) * wrap_length(ranger.frequency) / TAU

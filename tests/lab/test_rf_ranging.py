@@ -8,7 +8,12 @@ from pytest import approx, mark
 
 from cmtof.bounds import phase_spread
 from cmtof.correlation import TAU, centred
-from cmtof_lab.rf_ranging import RfRanger, rf_image, skewed, straightened
+from cmtof_lab.rf_ranging import (
+    RfRanger,
+    correct_quadratures,
+    rf_image,
+    skew_quadratures,
+)
 from cmtof_lab.settings import TwinSettings
 from cmtof_lab.sweep import POSITIONS
 from cmtof_lab.targets import MIRROR, PLATE, Plane
@@ -37,9 +42,9 @@ def test_noise_is_the_closed_form_of_thermal_and_shot_noise():
 
 def test_an_imbalance_errs_twice_a_turn_and_is_taken_away(gain=0.9, error=-0.2):
     angle = np.linspace(0, TAU, 400, endpoint=False)
-    read = skewed(2 * np.exp(1j * angle), gain, error)
+    read = skew_quadratures(2 * np.exp(1j * angle), gain, error)
     assert_allclose(read.imag, 2 * gain * np.sin(angle + error))
-    assert_allclose(straightened(read, gain, error), 2 * np.exp(1j * angle))
+    assert_allclose(correct_quadratures(read, gain, error), 2 * np.exp(1j * angle))
     wrong = centred(np.angle(read) - angle)
     assert np.argmax(np.abs(np.fft.rfft(wrong - wrong.mean()))) == 2
 

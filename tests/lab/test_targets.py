@@ -43,7 +43,7 @@ def test_a_mesh_interpolates_its_vertices():
     )
     assert_allclose(found.mirrored, 0.25)
     behind = np.array([[0.0, 0.0, 3.0], [0.0, 0.0, 1.0]])
-    assert target.hidden(behind, (0.0, 0.0, 0.0)).tolist() == [True, False]
+    assert target.is_hidden(behind, (0.0, 0.0, 0.0)).tolist() == [True, False]
 
 
 def test_scenes_by_name_file_and_mapping():

@@ -94,7 +94,7 @@ def test_labels_are_wraps_and_mask_what_lies_outside(protocol):
 @mark.parametrize("protocol", ["released", "full"])
 def test_leaves_cover_all_classes_and_hide_them_from_brightness(protocol):
     rngs = map(np.random.default_rng, range(150))
-    drawn = [data.leaves(rng, 48, protocol) for rng in rngs]
+    drawn = [data.dead_leaves(rng, 48, protocol) for rng in rngs]
     depth, light = np.array(drawn)[:, :, ::8, ::8].swapaxes(0, 1)
     turns, inside = turns_and_range(depth, protocol)
     assert inside.mean() > 0.5
@@ -110,7 +110,7 @@ def test_room_crops_are_staged_and_mostly_in_range(rng):
     depth = rng.uniform(2, 6, (3, 1, 1)) + slope
     light = rng.uniform(0, 1, depth.shape).astype(np.float16)
     pack = data.Pack(depth.astype(np.float32), light, depth.max((1, 2)))
-    staged, _ = pack.staged(0, "released")
+    staged, _ = pack.staged_window(0, "released")
     assert staged.max() == approx(1.195, rel=1e-3)
     crops = [data.room_crop(rng, pack, 32, "released") for _ in range(30)]
     depth, light = np.swapaxes(crops, 0, 1)

@@ -68,7 +68,7 @@ def test_every_network_answers_as_in_torch(tmp_path, name, size):
     inputs = torch.randn(1, network.inputs, *size).numpy()
     expected = in_torch(weights.load_weights(path).network, inputs)
     ready = inference.load_network(path)
-    found = inference.last_layer(ready, inference.run_padded(ready, inputs))
+    found = inference.apply_last_layer(ready, inference.run_padded(ready, inputs))
     if network.target == "depth":
         found = network.classes * (0.5 + found)
     # norms that divide by the spread of an image feel the rounding, the more the smaller it is

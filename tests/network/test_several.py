@@ -68,7 +68,10 @@ def test_gradients_of_two_processes_are_those_of_two_halves_in_one(start, tmp_pa
     )
     for rank in range(2):  # norms see one half at a time, as in a process
         (
-            loss_of(module.network, module.measured(Steps(config, None, rank, 2)[0]))
+            loss_of(
+                module.network,
+                module.sample_from_batch(Steps(config, None, rank, 2)[0]),
+            )
             / 2
         ).backward()
     found = torch.load(tmp_path / "gradients.pt")

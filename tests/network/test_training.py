@@ -11,7 +11,7 @@ from pytest import approx, fixture, mark, raises, skip
 
 import cmtof
 from cmtof.correlation import TAU
-from cmtof.files import alone
+from cmtof.files import exclusive_lock
 from cmtof.network import tuning
 from cmtof.network.data import WRAP, Steps, open_rooms
 from cmtof.network.losses import IGNORED
@@ -69,7 +69,7 @@ def test_bad_configurations_are_refused_in_one_line(
 
 
 def test_two_trainings_do_not_share_a_folder(tmp_path, config):
-    with alone(tmp_path), raises(ValueError, match="Expected .* to be free"):
+    with exclusive_lock(tmp_path), raises(ValueError, match="Expected .* to be free"):
         train(config, tmp_path, **CPU)
     assert not list(tmp_path.iterdir())
 
@@ -125,7 +125,7 @@ def test_every_model_learns_a_batch_by_heart(name):
     module = unwrapping(
         Config(model=name, stages=(stage,), rooms=None, validation_views=2)
     )
-    sample = module.measured(Steps(module.config, None)[0])
+    sample = module.sample_from_batch(Steps(module.config, None)[0])
     optimizer = torch.optim.Adam(module.network.parameters(), 3e-3)
     losses = []
     for _ in range(10):
@@ -141,7 +141,7 @@ def test_validation_scores_a_network_that_answers_with_the_middle(config):
     module = unwrapping(config)
     middle = torch.eye(21)[10].view(1, 21, 1, 1)
     module.average.forward = lambda x: middle.expand(1, 21, *x.shape[-2:])
-    found = module.validated()
+    found = module.card_fields()
     assert found["validation"] == found["trivial"]["middle"]
     assert found["gain"][1] <= 0
     assert found["trivial"]["mode"].delta_lt_1 >= found["validation"].delta_lt_1

@@ -98,7 +98,7 @@ def test_only_what_is_lit_from_its_front_scatters_light():
     origins[:, 2] = [1, -0.5, 1]
     rays = np.zeros_like(origins)
     rays[:, 2] = [-1, -1, 1]
-    radiance, behind = interior.lit(origins, rays)
+    radiance, behind = interior.reflected_radiance(origins, rays)
     assert radiance[0, 0] == approx(0.5 * 3 / 4, rel=1e-3)
     assert not radiance[1:].any()
     assert behind.tolist() == [False, True, False]

@@ -11,7 +11,7 @@ from cmtof.frame import Frame, rays_from_camera
 from cmtof.measurement import Measurement
 from cmtof.surfaces.field import CELL, field_from_measurement
 from cmtof.surfaces.placing import Offsets
-from cmtof.surfaces.shapes import BENT, moved
+from cmtof.surfaces.shapes import BENT, move_surface
 
 SHAPE = (128, 160)
 CAMERA = (140.0, 138.0, 81.0, 62.5)
@@ -126,7 +126,7 @@ def meeting_planes():
     left, q = plane_depth((0.3, 0, 1))
     right, p = plane_depth((-0.3, 0, 1))
     field = exact_field(np.maximum(left, right))
-    aside, _ = moved(field, p, whole_boxes(), BENT, 3 * WRAP)
+    aside, _ = move_surface(field, p, whole_boxes(), BENT, 3 * WRAP)
     return field, np.stack([q, aside])
 
 

@@ -16,7 +16,7 @@ from numpy.testing import assert_allclose, assert_array_equal
 from pytest import approx, mark
 
 from cmtof.surfaces import contacts
-from cmtof.surfaces.shapes import BENT, moved
+from cmtof.surfaces.shapes import BENT, move_surface
 
 REPEAT = 357.5  # wraps
 SURE = 0.99
@@ -30,7 +30,7 @@ def between(*entries):
 def tied(found, borders, limits=None):
     if limits is None:
         limits = np.outer([-np.inf, np.inf], np.ones_like(found.mean))
-    return contacts.tied(found, borders, limits, REPEAT)
+    return contacts.offsets_with_contacts(found, borders, limits, REPEAT)
 
 
 def test_borders_find_whole_wraps_between_planes_that_meet():
@@ -48,7 +48,7 @@ def test_a_border_counts_the_departure_of_its_pixels():
     depth, q = plane_depth((0.1, 0, 1))
     wave = 0.3 * WRAP * np.sin(np.arange(SIDES.shape[1]) / 8)
     field = exact_field(depth + wave)
-    aside, _ = moved(field, q, whole_boxes(), BENT, -0.4 * WRAP)
+    aside, _ = move_surface(field, q, whole_boxes(), BENT, -0.4 * WRAP)
     for other in (q, aside):
         found = contacts.borders(field, SIDES, np.stack([q, other]))
         assert found.step == [0]

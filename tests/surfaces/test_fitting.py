@@ -15,12 +15,12 @@ from cmtof.surfaces import fitting
 from cmtof.surfaces.fitting import (
     Region,
     cell_likelihood,
-    look,
+    evaluate_fit,
+    fit_plane_or_bent,
     refine,
     region_of_boxes,
-    select,
 )
-from cmtof.surfaces.shapes import BENT, PLANE, depth_at, moved
+from cmtof.surfaces.shapes import BENT, PLANE, depth_at, move_surface
 
 SHAPE = (64, 80)
 CENTRED = (140.0, 138.0, 41.0, 31.5)
@@ -64,14 +64,14 @@ def test_sums_are_those_of_the_likelihood(rng):
     depth, q = plane(NORMALS[1])
     field = field_of(depth, information=3.0, noise_of=rng)
     q[3:] = 1e-3 * rng.normal(size=3)
-    got = look(field, WHOLE, q, BENT)
+    got = evaluate_fit(field, WHOLE, q, BENT)
     assert got.likelihood == approx(likelihood(field, q), rel=1e-6)
     assert got.most == approx(field.information.sum(dtype=float), rel=1e-6)
     cells = [cell_likelihood(field, q, *cell) for cell in np.ndindex(8, 10)]
     assert sum(cells) == approx(got.likelihood, rel=1e-6)
     assert depth_at(field, q, 7, 11) == approx(depth_of(field, q)[7, 11])
     label = rng.integers(0, 3, SHAPE).astype(np.int32)
-    part = look(field, Region(BOXES, label, 1), q, PLANE)
+    part = evaluate_fit(field, Region(BOXES, label, 1), q, PLANE)
     assert part.likelihood == approx(likelihood(field, q, label == 1), rel=1e-6)
 
 
@@ -119,7 +119,7 @@ def test_fits_hop_over_whole_wraps(wraps):
     """As long as the moved plane is bent by less than half a wrap, which this one is."""
     depth, q = plane(NORMALS[1])
     field = field_of(depth)
-    start, _ = moved(field, q, BOXES, PLANE, wraps * WRAP)
+    start, _ = move_surface(field, q, BOXES, PLANE, wraps * WRAP)
     assert np.mean(depth_of(field, start) - depth) == approx(wraps * WRAP, rel=0.02)
     got = refine(field, WHOLE, start, PLANE, 8)
     assert misses(field, got.q, depth)[0] < 1e-6
@@ -132,8 +132,8 @@ def test_planes_are_called_planes(normal, turns, rng):
     field = field_of(depth, information=20.0, noise_of=rng)
     middle = np.abs(BOXES[:, [0, 2]] - (28, 36)).max(axis=1) < 16
     few = BOXES[middle]
-    start = moved(field, q, few, BENT, 0.0, 0, turns)[0] if turns else q
-    fit, *_ = select(field, region_of_boxes(few), start, 6, 15.0, 1.0)
+    start = move_surface(field, q, few, BENT, 0.0, 0, turns)[0] if turns else q
+    fit, *_ = fit_plane_or_bent(field, region_of_boxes(few), start, 6, 15.0, 1.0)
     assert not fit.q[3:].any()
     assert misses(field, fit.q, depth)[1] < 5e-4
 
@@ -147,7 +147,7 @@ def test_balls_are_called_bent(radius, rng):
     depth = along - np.sign(radius) * half
     field = field_of(depth, information=20.0, noise_of=rng)
     facing = np.eye(BENT)[2] / 2.5
-    fit, *_ = select(field, WHOLE, facing, 8, 15.0, 1.0)
+    fit, *_ = fit_plane_or_bent(field, WHOLE, facing, 8, 15.0, 1.0)
     assert fit.q[3:].any()
     assert misses(field, fit.q, depth)[1] < 1e-4
 

@@ -16,9 +16,9 @@ from pytest import approx, mark
 
 from cmtof.surfaces import placing
 from cmtof.surfaces.field import CELL
-from cmtof.surfaces.fitting import leaning, region_of_boxes
+from cmtof.surfaces.fitting import change_by_a_wrap, region_of_boxes
 from cmtof.surfaces.roughness import cells_of_surfaces
-from cmtof.surfaces.shapes import PLANE, moved
+from cmtof.surfaces.shapes import PLANE, move_surface
 
 INNER = np.zeros(SHAPE, np.int32)
 BOXES = whole_boxes()
@@ -87,7 +87,7 @@ def test_the_roughness_of_a_surface_hardly_costs_its_beat_precision():
     """0.12 wraps a pixel: 0.75 rad, and twice that, which a pixel's two phases share."""
     rng = np.random.default_rng(3)
     depth, q = plane_depth()
-    lifted, _ = moved(exact_field(depth), q, BOXES, PLANE, -11 * WRAP)
+    lifted, _ = move_surface(exact_field(depth), q, BOXES, PLANE, -11 * WRAP)
     found = []
     for _ in range(12):
         uneven = depth + 0.12 * WRAP * rng.normal(size=SHAPE)
@@ -102,7 +102,7 @@ def test_two_planes_with_one_phase_are_cut_where_the_beat_steps(rng):
     depth, q = plane_depth()
     behind = np.arange(SHAPE[1]) >= 80
     field = exact_field(depth + 5 * WRAP * behind, information=50.0, noise_of=rng)
-    main, surfaces = placing.parted(field, INNER, q[None])
+    main, surfaces = placing.cut_surfaces(field, INNER, q[None])
     assert len(surfaces) == 2
     same = np.mean((main > 0) == behind[::CELL])
     assert max(same, 1 - same) > 0.97
@@ -115,13 +115,13 @@ def test_planes_at_right_angles_place_each_other():
     for normal, off in (((2, 2, 1), 0), ((-2, 1, 2), 0), ((1, -2, 2), 2)):
         depth, q = plane_depth(normal, 1.5, camera=camera)
         field = exact_field(depth, camera=camera)
-        aside, _ = moved(field, q, BOXES, PLANE, -off * WRAP)
-        lean = leaning(field, region_of_boxes(BOXES), aside, 1.0)
+        aside, _ = move_surface(field, q, BOXES, PLANE, -off * WRAP)
+        lean = change_by_a_wrap(field, region_of_boxes(BOXES), aside, 1.0)
         found.append(aside)
         fits.append([0, 1, 0, 1e-3, *lean.ravel()])
     alone = known([0, 0, 0.6], [0.05, 0.05, 1.5])
     label = np.repeat([0, 1, 2], 1000)
-    sharp = placing.aligned(alone, np.array(found), np.array(fits), label)
+    sharp = placing.use_axes(alone, np.array(found), np.array(fits), label)
     assert_allclose(sharp.mean, [0, 0, 2], atol=0.1)
     assert sharp.spread[2] == approx(0.05, abs=0.1)
 

@@ -20,7 +20,7 @@ from scipy.sparse import csr_array, diags_array
 
 from cmtof.classical.crt import fused_depth, nearest_wrap
 from cmtof.correlation import TAU, centred
-from cmtof.estimate import Estimate, guess, phase_noise, wraps_in_range
+from cmtof.estimate import Estimate, guess_probability, phase_noise, wraps_in_range
 from cmtof.measurement import Measurement
 from cmtof.types import Array, Numbers, Single
 
@@ -57,7 +57,7 @@ def kde(
     share = np.minimum(best / np.where(dense, total, 1), 1)
     return Estimate(
         fused_depth(measurement, wraps, residual),
-        np.where(dense, share, guess(measurement)),
+        np.where(dense, share, guess_probability(measurement)),
     )
 
 

@@ -19,7 +19,7 @@ import numpy as np
 from numpy.lib.stride_tricks import sliding_window_view
 from scipy.ndimage import gaussian_filter, uniform_filter
 
-from cmtof.classical.beat import confirmed, steps, synthetic_frequency
+from cmtof.classical.beat import check_by_beat, steps, synthetic_frequency
 from cmtof.compiled import njit
 from cmtof.correlation import TAU, depth_from_wraps, wrapped
 from cmtof.estimate import Estimate, within_range, wraps_in_range
@@ -39,7 +39,7 @@ _TEMPERATURE = 0.08
 _SHARPEST = 1e4  # largest kappa: a beat known to 0.01 rad needs no more weight
 
 
-class Field(NamedTuple):
+class RandomField(NamedTuple):
     """The random field of a measurement."""
 
     phase: Single  # smoothed, (H, W), rad; the labels belong to it
@@ -71,7 +71,7 @@ def mrf(measurement: Measurement) -> Estimate:
     """Wraps of least cost summed over eight paths, each a chain from pixel to pixel."""
     field = wrap_field(measurement)
     labels, odds = semi_global_labels(field)
-    return confirmed(field.depth(labels, measurement), odds, measurement)
+    return check_by_beat(field.depth(labels, measurement), odds, measurement)
 
 
 def mrf_graphcut(measurement: Measurement) -> Estimate:
@@ -82,12 +82,12 @@ def mrf_graphcut(measurement: Measurement) -> Estimate:
     """
     field = wrap_field(measurement)
     start, odds = semi_global_labels(field)
-    labels = lowered(field, start)
+    labels = lower_energy(field, start)
     changed = np.where(labels == start, odds, np.minimum(odds, 1 - odds))
-    return confirmed(field.depth(labels, measurement), changed, measurement)
+    return check_by_beat(field.depth(labels, measurement), changed, measurement)
 
 
-def wrap_field(measurement: Measurement) -> Field:
+def wrap_field(measurement: Measurement) -> RandomField:
     """Smoothed phases and beat of a measurement, weighted by their noise."""
     low, high = measurement.frequencies[:2]
     synthetic = synthetic_frequency(low, high)
@@ -101,9 +101,9 @@ def wrap_field(measurement: Measurement) -> Field:
     kappa = _sharpness(np.abs(smooth), noise)
     first, last = wraps_in_range(measurement)
     share = synthetic.frequency / low
-    turned = _pooled(kappa, beat, share * slope)
+    turned = _pool_beat(kappa, beat, share * slope)
     turned = turned * np.exp(-1j * share * (mean_phase + TAU * first))
-    return Field(
+    return RandomField(
         mean_phase.astype(np.float32),
         np.stack([turned.real, turned.imag], axis=-1).astype(np.float32),
         TAU * share * np.arange(last - first + 1),
@@ -139,7 +139,7 @@ def _slope(phasor: Complex) -> Array:
     return np.stack(slopes)
 
 
-def _pooled(kappa: Array, beat: Array, slope: Array) -> Complex:
+def _pool_beat(kappa: Array, beat: Array, slope: Array) -> Complex:
     """Gaussian mean of ``kappa exp(i beat)``, moved by the slope from the centre of its weights."""
     mean = partial(gaussian_filter, sigma=POOLING, mode="constant")
     total = np.maximum(mean(kappa), np.finfo(float).tiny)
@@ -177,7 +177,7 @@ def _coherent_mean(
     return total / side**2
 
 
-def semi_global_labels(field: Field) -> tuple[Numbers, Single]:
+def semi_global_labels(field: RandomField) -> tuple[Numbers, Single]:
     """Labels (H, W) of least cost summed over eight paths, and their softmax; see `mrf`."""
     cosine, sine = field.waves
     total = np.zeros((*field.phase.shape, cosine.size), np.float32)
@@ -221,12 +221,12 @@ def _add_path(
         if y >= down and x >= right:
             before = (y - down, x - right)
             fall = phase[before] - phase[y, x]
-            here += _cheapest(costs[before[0] % 2, before[1]], fall, buffers)
+            here += _least_cost(costs[before[0] % 2, before[1]], fall, buffers)
         total[y, x] += here
 
 
 @njit()
-def _cheapest(before, fall, buffers):  # pragma: no cover - compiled
+def _least_cost(before, fall, buffers):  # pragma: no cover - compiled
     """Min over m of ``before(m) - least + min(JUMP |n - m|, MOST)``, moved as the phase falls."""
     wide, spare = buffers  # a label more at each end
     wide[0] = wide[-1] = MOST
@@ -245,7 +245,7 @@ def _cheapest(before, fall, buffers):  # pragma: no cover - compiled
     return wide[start : start + before.size]
 
 
-def lowered(field: Field, labels: Numbers) -> Numbers:
+def lower_energy(field: RandomField, labels: Numbers) -> Numbers:
     """Labels (H, W) after those of `MOVES` that lower the energy; rounding may propose others."""
     for step in MOVES:
         moved = labels + step * best_move(field, labels, step)
@@ -253,14 +253,14 @@ def lowered(field: Field, labels: Numbers) -> Numbers:
     return labels
 
 
-def energy(field: Field, labels: Numbers) -> float:
+def energy(field: RandomField, labels: Numbers) -> float:
     """E of labels (H, W) with the convex prior."""
     own = field.unary(labels).sum(dtype=float)
     pairs = sum(np.abs(_steps(field, labels, axis)).sum() for axis in (0, 1))
     return float(own + JUMP * pairs)
 
 
-def best_move(field: Field, labels: Numbers, step: int) -> Flags:
+def best_move(field: RandomField, labels: Numbers, step: int) -> Flags:
     """Pixels (H, W) whose move by ``step`` wraps, all at once, lowers the energy most.
 
     A pair's costs ``A, B, C, A`` for the choices 00, 01, 10, 11 are ``A + (C - A) (x_p - x_q)
@@ -285,7 +285,7 @@ def best_move(field: Field, labels: Numbers, step: int) -> Flags:
     return minimum_cut(excess, *capacities)
 
 
-def _steps(field: Field, labels: Numbers, axis: int) -> Numbers:
+def _steps(field: RandomField, labels: Numbers, axis: int) -> Numbers:
     """Steps between neighbouring labels beyond those of the phase, ``n_q - n_p - d_pq``."""
     turns = np.diff(field.phase, axis=axis) / TAU
     falls = np.rint(turns).astype(np.int64)

@@ -14,7 +14,13 @@ import numpy as np
 from cmtof.bounds import wrap_probability
 from cmtof.classical.beat import beat_depth, quotient
 from cmtof.correlation import TAU, depth_from_phase, phase_from_depth, wrap_length
-from cmtof.estimate import Estimate, guess, phase_noise, within_range, wraps_in_range
+from cmtof.estimate import (
+    Estimate,
+    guess_probability,
+    phase_noise,
+    within_range,
+    wraps_in_range,
+)
 from cmtof.measurement import Measurement
 from cmtof.types import Array, Pair
 
@@ -64,10 +70,10 @@ def _candidates(phase: Array, measurement: Measurement) -> list[Array | int]:
 
 
 def _confidence(noise: Array, measurement: Measurement) -> Array:
-    """Probability that noise (2, H, W), rad, leaves the wrap right; not below `guess`."""
+    """Probability that noise (2, H, W), rad, leaves the wrap right; as a guess at least."""
     frequencies = measurement.frequencies[:2]
     odds = wrap_probability(*np.clip(noise, 1e-9, 1e9), frequencies=frequencies)
-    return np.maximum(odds, guess(measurement))
+    return np.maximum(odds, guess_probability(measurement))
 
 
 def match(

@@ -17,12 +17,12 @@ from cmtof.bounds import wrap_probability
 from cmtof.classical.beat import (
     beat_depth,
     beat_phasor,
-    confirmed,
+    check_by_beat,
     guides,
     synthetic_frequency,
 )
 from cmtof.correlation import TAU, depth_from_phase, phase_from_depth, wrap_length
-from cmtof.estimate import Estimate, guess, nearest, within_range
+from cmtof.estimate import Estimate, guess_probability, nearest_pixel, within_range
 from cmtof.measurement import Measurement
 from cmtof.types import Array, Complex, Flags, Numbers
 
@@ -66,7 +66,7 @@ def spatial(measurement: Measurement) -> Estimate:
     depth = within_range(
         depth_from_phase(relative + TAU * offset, frequency), measurement
     )
-    return Estimate(depth, guess(measurement))
+    return Estimate(depth, guess_probability(measurement))
 
 
 def region(measurement: Measurement) -> Estimate:
@@ -88,8 +88,8 @@ def region(measurement: Measurement) -> Estimate:
     pooled = pool(*parts)
     offset = whole_wraps(pooled.phase, mean_over(shape, number, mask), measurement)
     odds = _offset_odds(*parts, pooled.spread, offset, frequencies)
-    near = nearest(inside & (np.bincount(number.ravel())[number] >= _SMALLEST))
-    return confirmed(
+    near = nearest_pixel(inside & (np.bincount(number.ravel())[number] >= _SMALLEST))
+    return check_by_beat(
         within_range((shape + offset[number])[near], measurement),
         odds[number][near]
         * np.interp(np.hypot(*(near - np.indices(mask.shape))), *BESIDE),

@@ -3,14 +3,14 @@
 import numpy as np
 
 from cmtof.correlation import wrap_count_from_depth, wrap_length
-from cmtof.estimate import Estimate, guess, within_range
+from cmtof.estimate import Estimate, guess_probability, within_range
 from cmtof.measurement import Measurement
 
 
 def middle(measurement: Measurement) -> Estimate:
     """The middle of the range for every pixel, whatever was measured."""
     depth = np.full(measurement.shape, sum(measurement.range) / 2)
-    return Estimate(depth, guess(measurement))
+    return Estimate(depth, guess_probability(measurement))
 
 
 def uniform(measurement: Measurement) -> Estimate:
@@ -18,7 +18,7 @@ def uniform(measurement: Measurement) -> Estimate:
     frame = int(measurement.dataset.attrs.get("frame_number", 0))
     rng = np.random.default_rng([0, frame])
     depth = rng.uniform(*measurement.range, measurement.shape)
-    return Estimate(depth, guess(measurement))
+    return Estimate(depth, guess_probability(measurement))
 
 
 def mode(measurement: Measurement) -> Estimate:

@@ -11,7 +11,7 @@ import warnings
 from typer import Typer
 
 from cmtof.cli import depths, learning, measuring
-from cmtof.terminal import error_line, prepare_streams, shown
+from cmtof.terminal import error_line, escape_controls, prepare_streams
 
 app = Typer(
     name="cmtof",
@@ -60,5 +60,5 @@ def main(arguments: list[str] | None = None) -> None:
     except Exception as error:
         if "--debug" in words:
             raise
-        print(f"cmtof: {shown(error_line(error))}", file=sys.stderr)
+        print(f"cmtof: {escape_controls(error_line(error))}", file=sys.stderr)
         sys.exit(1)

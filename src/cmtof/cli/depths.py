@@ -9,9 +9,16 @@ from typing import TYPE_CHECKING, Annotated, Any
 
 from typer import Argument, Option
 
-from cmtof.cli.options import File, Quiet, conditions, grouped, reading, to_write
-from cmtof.files import check_output, written_whole
-from cmtof.terminal import error_line, print_table, progress, shown
+from cmtof.cli.options import (
+    File,
+    Quiet,
+    conditions,
+    group_options,
+    output_option,
+    reading,
+)
+from cmtof.files import atomic_output, check_output
+from cmtof.terminal import error_line, escape_controls, print_table, progress
 
 if TYPE_CHECKING:
     from cmtof.evaluation import Evaluation
@@ -29,10 +36,10 @@ def choice(
     weights: Annotated[File, Option(help="Own .safetensors (learned methods).")] = None,
     tile: Annotated[int, Option(min=0, help="Side of tiles, px, of a large .nc.")] = 0,
 ) -> None:
-    """Options that choose and set the unwrapping method, shared by commands through `grouped`."""
+    """Options of the unwrapping method, shared by commands through `group_options`."""
 
 
-@grouped(choice)
+@group_options(choice)
 def unwrap(
     measurement: Annotated[
         list[Path], Argument(help="Measurements .nc, .npz or *_phase.csv.")
@@ -41,7 +48,7 @@ def unwrap(
         Path, Option("--output", "-o", help="File, *.nc; a folder for several.")
     ],
     ply: Annotated[
-        File, to_write(".ply", "--ply", text="Point cloud (camera).")
+        File, output_option(".ply", "--ply", text="Point cloud (camera).")
     ] = None,
     quiet: Quiet = False,
     *,
@@ -121,7 +128,7 @@ def _unwrap_one(
     return row | _rates(tally.score()) if tally.frames else row
 
 
-@grouped(conditions, reading)
+@group_options(conditions, reading)
 def evaluate(
     frames: Annotated[
         list[str],
@@ -133,7 +140,7 @@ def evaluate(
         str, Option(help="Out of `cmtof methods`, with commas, or all.")
     ] = "all",
     json_file: Annotated[
-        File, to_write(".json", "--json", text="Table as JSON.")
+        File, output_option(".json", "--json", text="Table as JSON.")
     ] = None,
     quiet: Quiet = False,
     *,
@@ -185,13 +192,16 @@ def _print_missing(missing: Mapping[str, ModuleNotFoundError]) -> None:
     for name, error in missing.items():
         methods_by_line.setdefault(error_line(error), []).append(name)
     for line, names in methods_by_line.items():
-        print(shown(f"cmtof: left out {', '.join(names)}. {line}"), file=sys.stderr)
+        print(
+            escape_controls(f"cmtof: left out {', '.join(names)}. {line}"),
+            file=sys.stderr,
+        )
 
 
 def _report_scores(report: dict[str, Any], json_file: File) -> None:
     """Write a report as JSON where that is asked for, and print its tables."""
     if json_file is not None:
-        with written_whole(json_file) as part:
+        with atomic_output(json_file) as part:
             part.write_text(json.dumps(report, indent=2) + "\n", encoding="utf-8")
     title = (
         f"{len(report['frames'])} frame(s), protocol {report['protocol']}, "
@@ -203,7 +213,7 @@ def _report_scores(report: dict[str, Any], json_file: File) -> None:
         rows.append({"method": name} | _rates(scores) | seconds)
     print_table(title, rows)
     for name, remark in report["notes"].items():
-        print(shown(f"{name}: {remark}"))
+        print(escape_controls(f"{name}: {remark}"))
 
 
 def _rates(scores: dict[str, float]) -> dict[str, str]:

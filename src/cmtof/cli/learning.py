@@ -5,8 +5,8 @@ from typing import Annotated, Any
 
 from typer import Argument, Option
 
-from cmtof.cli.options import SEED, File, Quiet, Seed, grouped
-from cmtof.terminal import hidden, later, progress
+from cmtof.cli.options import SEED, File, Quiet, Seed, group_options
+from cmtof.terminal import delay_interrupts, progress, progress_is_hidden
 
 
 def rooms(
@@ -18,10 +18,10 @@ def rooms(
         float | None, Option(help="Focal length, px. Default: 35 to 60°.")
     ] = None,
 ) -> None:
-    """Options of a set of rooms, which a command takes through `grouped`."""
+    """Options of a set of rooms, which a command takes through `group_options`."""
 
 
-@grouped(rooms)
+@group_options(rooms)
 def render(
     output: Annotated[
         Path, Option("--output", "-o", help="Folder to write the set into.")
@@ -40,7 +40,7 @@ def render(
 
     Example: [bold]cmtof render --scenes 20 --views 5 --seed 1 -o rooms[/bold]
     """
-    with later():
+    with delay_interrupts():
         from cmtof_rooms.rendering import Settings, render_rooms, shape_from_text
 
     height, width = shape_from_text(rooms.pop("size"))
@@ -81,7 +81,7 @@ def leg(
     """Options of one run, which may be a part of a training, that do not change its result."""
 
 
-@grouped(recipe, leg)
+@group_options(recipe, leg)
 def train(
     config: Annotated[str, Argument(help="A recipe by name, or a YAML file.")],
     output: Annotated[File, Option("--output", "-o", help="Folder of the run.")] = None,
@@ -107,7 +107,7 @@ def train(
     written = train_network(
         chosen,
         folder,
-        quiet=quiet or hidden(),
+        quiet=quiet or progress_is_hidden(),
         tree=data,
         devices=int(devices) if devices.isdigit() else devices,
         **leg,

@@ -9,14 +9,22 @@ from typing import TYPE_CHECKING, Annotated, Any
 
 from typer import Argument, Option
 
-from cmtof.cli.options import SEED, File, Output, Quiet, conditions, grouped, reading
-from cmtof.terminal import print_table, progress, shown
+from cmtof.cli.options import (
+    SEED,
+    File,
+    Output,
+    Quiet,
+    conditions,
+    group_options,
+    reading,
+)
+from cmtof.terminal import escape_controls, print_table, progress
 
 if TYPE_CHECKING:
     from cmtof.hardware.rig import Rig
 
 
-@grouped(conditions, reading)
+@group_options(conditions, reading)
 def simulate(
     frame: Annotated[
         str,
@@ -39,15 +47,15 @@ def simulate(
     """
     from cmtof.scenes import load_frame
     from cmtof.simulation import simulate as simulate_frame
-    from cmtof.validation import checked
+    from cmtof.validation import checked_values
 
-    tones = checked(list[float], frequencies.split(","), "--frequencies HZ,HZ")
+    tones = checked_values(list[float], frequencies.split(","), "--frequencies HZ,HZ")
     loaded = load_frame(frame, **reading)
     measurement = simulate_frame(loaded, frequencies=tones, **conditions)
     measurement.save(output)
     print(f"{output}: {measurement}, {measurement.mask.mean():.1%} of pixels scored")
     if loaded.note:
-        print(shown(f"{loaded.name}: {loaded.note}"))
+        print(escape_controls(f"{loaded.name}: {loaded.note}"))
 
 
 def rehearsal(
@@ -59,7 +67,7 @@ def rehearsal(
     """Options of a scan: with a simulated instrument, or with a log."""
 
 
-@grouped(rehearsal)
+@group_options(rehearsal)
 def scan(
     output: Annotated[File, Option("--output", "-o", help="Measurement, *.nc.")] = None,
     rig: Annotated[File, Argument(help="RIG file, *.yml.")] = None,
@@ -78,13 +86,13 @@ def scan(
     Example: [bold]cmtof scan --twin --scene still_life --size 64 --seed 0 -o m.nc[/bold]
     """
     from cmtof.hardware.journal import journal_path
-    from cmtof.hardware.plan import planned
+    from cmtof.hardware.plan import plan_scan
     from cmtof.hardware.rig import Rig
     from cmtof.hardware.scan import scan as run_scan
 
     if not rehearsal["twin"] and rig is None:
         raise ValueError("Expected either a RIG file or --twin, got neither. Name one.")
-    plan = planned(Rig.default() if rig is None else Rig.load(rig), size=size)
+    plan = plan_scan(Rig.default() if rig is None else Rig.load(rig), size=size)
     bench = _opener(plan.rig, "" if rig else "still_life", **rehearsal)
     if check:
         _print_states_and_exit(bench)
@@ -151,19 +159,19 @@ def info(
 
     from cmtof import __version__
     from cmtof.captures import data_root
-    from cmtof.frame import embedded_frames, listed_npz
+    from cmtof.frame import embedded_frames, list_npz
     from cmtof.measurement import open_measurement
-    from cmtof.storage import opened_dataset
+    from cmtof.storage import open_netcdf
 
     if file is not None:
         path = embedded_frames().get(str(file), file)
         if path.suffix == ".npz":
-            for name, kind in listed_npz(path).items():
-                print(shown(f"{name} {kind}"))
+            for name, kind in list_npz(path).items():
+                print(escape_controls(f"{name} {kind}"))
             return
         text = StringIO()
         if path.suffix == ".nc":
-            with opened_dataset(path) as dataset:
+            with open_netcdf(path) as dataset:
                 dataset.info(text)
                 if "component_odds" in dataset:
                     odds = (
@@ -177,7 +185,7 @@ def info(
                     print(odds.round(3))
         else:
             open_measurement(path).dataset.info(text)
-        print(shown(text.getvalue()))
+        print(escape_controls(text.getvalue()))
         return
     print(
         f"cmtof {__version__}, Python {sys.version.split()[0]}, {os.cpu_count()} processors"

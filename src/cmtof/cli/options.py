@@ -13,7 +13,7 @@ from cmtof.files import check_output
 File = Path | None
 
 
-def to_write(named: str, *flags: str, text: str) -> Any:
+def output_option(named: str, *flags: str, text: str) -> Any:
     """Option of a file to write, which is checked before anything is computed."""
 
     def check(path: File) -> File:
@@ -27,7 +27,7 @@ def to_write(named: str, *flags: str, text: str) -> Any:
 
 Output = Annotated[
     Path,
-    to_write(".nc", "--output", "-o", text="File to write, [bold]*.nc[/bold]."),
+    output_option(".nc", "--output", "-o", text="File to write, [bold]*.nc[/bold]."),
 ]
 SEED = Option(min=0, max=2**63 - 1, help="Seed of the random numbers.")
 Seed = Annotated[int, SEED]
@@ -74,7 +74,7 @@ def reading(
     """Options of image files."""
 
 
-def grouped(*groups: Callable[..., None]) -> Callable[[Callable], Callable]:
+def group_options(*groups: Callable[..., None]) -> Callable[[Callable], Callable]:
     """Decorator: a command gets the parameters of each function as options, and as one dict."""
     options = {group.__name__: signature(group).parameters for group in groups}
 

@@ -9,7 +9,7 @@ import numpy as np
 
 from cmtof.constants import LASER_WAVELENGTH
 from cmtof.hardware.device import BadReply, InstrumentTimeout, Unsafe, insist
-from cmtof.hardware.plan import Line, Plan, Record, mirror_settling, mirror_volts
+from cmtof.hardware.plan import Line, LineRecord, Plan, mirror_settling, mirror_volts
 from cmtof.hardware.reduction import drive_phases, sums_from_counts
 from cmtof.hardware.rig import DRIVERS, LIGHT, PLATES, Rig
 from cmtof.hardware.roles import (
@@ -98,14 +98,14 @@ class Bench(EmergencyStop):
         self.daq.write_many(dict.fromkeys(self.rig.mirrors, 0.0))
         self._aim = np.zeros(2)
 
-    def aimed(self, direction: Array) -> Values:
+    def mirror_voltages(self, direction: Array) -> Values:
         """Voltages of the mirrors, by output, that send the beam in a direction (2,), rad."""
         volts = mirror_volts(self.rig, direction).tolist()
         return dict(zip(self.rig.mirrors, volts, strict=True))
 
     def fly_back(self, directions: Array) -> None:
         """Aim at the first of a line's directions (N, 2), rad, and wait for the mirrors."""
-        self.daq.write_many(self.aimed(directions[0]))
+        self.daq.write_many(self.mirror_voltages(directions[0]))
         self.wait(
             mirror_settling(self.rig, float(np.abs(directions[0] - self._aim).max()))
         )
@@ -160,7 +160,7 @@ class Bench(EmergencyStop):
 
     def choose_mode(self, mode: str) -> None:
         """Close the shutter, then turn both plates and drive both modulators for a mode."""
-        self.shut()
+        self.close_and_park()
         rig = self.rig
         for rf in self.rf:
             rf.output(False)
@@ -191,7 +191,7 @@ class Bench(EmergencyStop):
             rf.output(True, lock_timeout=self._silence / 2)  # the other driver waits
             self.feed()
 
-    def shut(self) -> None:
+    def close_and_park(self) -> None:
         """Close the shutter and park the beam."""
         self.switch("shutter", False)
         self.park()
@@ -282,7 +282,7 @@ class Bench(EmergencyStop):
             )
         return metered
 
-    def measure(self, plan: Plan, line: Line, attempts: int = ATTEMPTS) -> Record:
+    def measure(self, plan: Plan, line: Line, attempts: int = ATTEMPTS) -> LineRecord:
         """Record of one line; when samples or a trigger edge are lost it is repeated."""
         self.look_at(line.kind)
         has_light = line.kind != "dark"
@@ -295,7 +295,7 @@ class Bench(EmergencyStop):
             if line.kind == "scan":
                 aims = plan.angles[line.row]
                 self.fly_back(aims)
-                outputs = map(self.aimed, aims)
+                outputs = map(self.mirror_voltages, aims)
             counts = self.bursts(line.labels, outputs)
         except (BadReply, InstrumentTimeout):
             if attempts == 1:
@@ -306,6 +306,6 @@ class Bench(EmergencyStop):
         power = self.metered_power() if has_light else 1.0
         measured = sums_from_counts(counts, plan.kept)
         locks = np.array([rf.lock()[1:] for rf in self.rf])
-        return Record(
+        return LineRecord(
             line.index, power, self.daq.rate, locks, np.array(self.times), *measured
         )

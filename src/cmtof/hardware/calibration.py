@@ -17,7 +17,7 @@ from scipy.special import j0
 
 from cmtof.correlation import centred, decode
 from cmtof.hardware.bench import MODULES, Bench
-from cmtof.hardware.ranging import reading, sweep, sweep_errors
+from cmtof.hardware.ranging import sweep, sweep_errors, take_reading
 from cmtof.hardware.reduction import Gain
 from cmtof.hardware.rig import PLATES
 from cmtof.types import Array, Pair
@@ -25,7 +25,7 @@ from cmtof.types import Array, Pair
 LARGEST = 1.9  # eta, rad, up to which the mean grows
 
 
-def levels(
+def light_levels(
     bench: Bench,
     module: str,
     angles: Iterable[float],
@@ -35,7 +35,7 @@ def levels(
 
     The other module stays at quadrature; drives of Hz and dBm are those at the last angle.
     """
-    read = partial(reading, bench, "reference", Gain(*bench.daq.gain()), count(1))
+    read = partial(take_reading, bench, "reference", Gain(*bench.daq.gain()), count(1))
     rf = bench.rf[MODULES.index(module)]
     bench.choose_mode("single")
     for one in bench.rf:
@@ -56,7 +56,7 @@ def levels(
         bench.ramp_up(rf, power)
         look()
     rf.output(False)
-    bench.shut()
+    bench.close_and_park()
     return np.array(found)
 
 
@@ -64,7 +64,7 @@ def drive_amplitudes(
     bench: Bench, module: str, drives: Iterable[Sequence[float]]
 ) -> Array:
     """Drive amplitudes eta (N,), rad, of a module at N drives, each a pair of Hz and dBm."""
-    quadrature, dark, *driven = levels(bench, module, PLATES.values(), drives)
+    quadrature, dark, *driven = light_levels(bench, module, PLATES.values(), drives)
     share = (np.array(driven) - dark) / (2 * quadrature - 2 * dark)
     eta = np.linspace(LARGEST, 0.0, 2000)
     return np.interp(1 - 2 * share, j0(2 * eta), eta)
@@ -89,7 +89,7 @@ def plate(bench: Bench, module: str, angles: Sequence[float]) -> Pair:
 
     They follow from its light at angles, degrees, spread over 45 degrees.
     """
-    fit = decode(levels(bench, module, angles), 8 * np.deg2rad(angles))
+    fit = decode(light_levels(bench, module, angles), 8 * np.deg2rad(angles))
     ratio = (fit.offset + fit.amplitude) / (fit.offset - fit.amplitude)
     return -float(np.rad2deg(centred(fit.phase))) / 8, float(ratio)
 

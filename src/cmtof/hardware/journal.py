@@ -13,7 +13,7 @@ from pathlib import Path
 import numpy as np
 
 from cmtof.files import AnyPath
-from cmtof.hardware.plan import Line, Plan, Record
+from cmtof.hardware.plan import Line, LineRecord, Plan
 from cmtof.types import Named
 
 # Arrays of a record, and their types.
@@ -25,7 +25,7 @@ def journal_path(output: AnyPath) -> Path:
     return Path(f"{output}.journal")
 
 
-def framed(content: bytes) -> bytes:
+def journal_line(content: bytes) -> bytes:
     """Line of a journal: checksum, content and newline."""
     return b"%08x %s\n" % (zlib.crc32(content), content)
 
@@ -34,16 +34,18 @@ def whole_lines(path: AnyPath) -> list[bytes]:
     """JSON of a journal's lines, header first, up to the first damaged one; may be empty."""
     found = []
     for line in Path(path).read_bytes().splitlines(keepends=True):
-        if line != framed(line[9:-1]):
+        if line != journal_line(line[9:-1]):
             break
         found.append(line[9:-1])
     return found
 
 
-def append(path: Path, content: Named) -> None:
+def append_line(path: Path, content: Named) -> None:
     """Add a line to a journal; it is on the disk when this returns."""
     with path.open("ab") as file:
-        file.write(framed(json.dumps(content, default=np.ndarray.tolist).encode()))
+        file.write(
+            journal_line(json.dumps(content, default=np.ndarray.tolist).encode())
+        )
         file.flush()
         os.fsync(file.fileno())
 
@@ -58,13 +60,13 @@ def check_settings(path: Path, old: Named, new: Named) -> None:
             )
 
 
-def begun(path: Path, header: Named, plan: Plan) -> list[Record]:
+def open_journal(path: Path, header: Named, plan: Plan) -> list[LineRecord]:
     """Records in a plan's journal, whose damaged end is cut off; a missing journal is created.
 
     Raises ValueError if it belongs to other settings, or is none.
     """
     if not path.exists() or not path.stat().st_size:
-        append(path, header)
+        append_line(path, header)
     lines = whole_lines(path)
     broken = ValueError(
         f"Expected a journal of this scan, got another file or a damaged one, {path}. "
@@ -83,15 +85,17 @@ def begun(path: Path, header: Named, plan: Plan) -> list[Record]:
         ]
     except (ArithmeticError, LookupError, RecursionError, TypeError, ValueError):
         raise broken from None
-    os.truncate(path, sum(len(framed(line)) for line in lines))  # without a torn end
+    os.truncate(
+        path, sum(len(journal_line(line)) for line in lines)
+    )  # without a torn end
     return records
 
 
-def _record(content: bytes, line: Line, phases: int) -> Record:
+def _record(content: bytes, line: Line, phases: int) -> LineRecord:
     """Record of a plan's line from JSON; an error of some kind if it does not fit the line."""
     found = json.loads(content)
     arrays = {name: np.array(found[name], kind) for name, kind in KINDS.items()}
-    record = Record(**found | arrays)
+    record = LineRecord(**found | arrays)
     bursts = len(line.labels)
     shapes = [one.shape for one in arrays.values()]
     sensible = 1e-15 < record.power < 1e3 and 0 < record.rate < 1e9

@@ -42,7 +42,7 @@ class Line(NamedTuple):
     labels: range
 
 
-class Record(NamedTuple):
+class LineRecord(NamedTuple):
     """Result of one measured line."""
 
     line: int
@@ -87,7 +87,7 @@ def mirror_angles(rig: Rig, volts: ArrayLike) -> Array:
     )
 
 
-def planned(rig: Rig, *, size: int | Shape = 64) -> Plan:
+def plan_scan(rig: Rig, *, size: int | Shape = 64) -> Plan:
     """Plan of an image of ``size`` (height and width, px) whose rays are those of a pinhole."""
     height, width = np.broadcast_to(size, 2).tolist()
     focal = (

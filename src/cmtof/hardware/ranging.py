@@ -31,13 +31,15 @@ TURN = 16  # phases of the emission that tell the mixer's imbalance
 MEANS = {"reference": (0, 2), "rf": (0, 1, 2), "interferometer": (1, 2)}
 
 
-def straightened(reading: ArrayLike, gain: ArrayLike, error: ArrayLike) -> Complex:
+def correct_quadratures(
+    reading: ArrayLike, gain: ArrayLike, error: ArrayLike
+) -> Complex:
     """Phasor of a reading I + iQ, corrected for Q's ``gain`` and phase ``error``, rad."""
     z = np.asarray(reading, complex)
     return z.real + 1j * (z.imag / gain - z.real * np.sin(error)) / np.cos(error)
 
 
-def reading(bench: Bench, way: str, gain: Gain, labels: Iterator[int]) -> Array:
+def take_reading(bench: Bench, way: str, gain: Gain, labels: Iterator[int]) -> Array:
     """Mean voltages of a reading: by phase or by step of the mirror (K,), or I and Q (2,)."""
     rig = bench.rig
     outputs = [{}]
@@ -75,7 +77,9 @@ def calibrated_mixer(
     found = decode(np.array(turned), psi)
     gain = found.amplitude[1] / found.amplitude[0]
     error = found.phase[1] - found.phase[0] + np.pi / 2
-    return lambda volts: np.angle(straightened((volts - dark) @ [1, 1j], gain, error))
+    return lambda volts: np.angle(
+        correct_quadratures((volts - dark) @ [1, 1j], gain, error)
+    )
 
 
 def sweep(
@@ -88,7 +92,7 @@ def sweep(
     the frequency, Hz, that belongs to the phase, and the settings. The bench is set up. Raises as a
     scan does, and a ValueError where light saturates the detector.
     """
-    read = partial(reading, bench, way, Gain(*bench.daq.gain()), count(label))
+    read = partial(take_reading, bench, way, Gain(*bench.daq.gain()), count(label))
     bench.choose_mode(mode)
     frequency = MODES[mode] * bench.rig.drive_frequency(mode)
     phases_of = stepped_phases

@@ -22,7 +22,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from cmtof.correlation import TAU, centred, decode, phase_from_depth
-from cmtof.hardware.plan import REFERENCE_BURSTS, Plan, Record
+from cmtof.hardware.plan import REFERENCE_BURSTS, LineRecord, Plan
 from cmtof.hardware.rig import MODES
 from cmtof.measurement import Measurement
 from cmtof.types import Array, Counts, Fields, Named, Pair
@@ -96,11 +96,11 @@ def calibrate(correlation: Array, ranges: ArrayLike, frequency: float) -> Pair:
 
 
 def lines_of(
-    plan: Plan, records: Sequence[Record], mode: str, kind: str
+    plan: Plan, records: Sequence[LineRecord], mode: str, kind: str
 ) -> tuple[Any, Array]:
     """Records of a mode and kind, stacked into one, and the bursts' mean counts (lines, N, K)."""
     found = [one for one in records if plan.lines[one.line][1:3] == (mode, kind)]
-    record: Any = Record._make(map(np.array, zip(*found, strict=True)))
+    record: Any = LineRecord._make(map(np.array, zip(*found, strict=True)))
     return record, record.sums / plan.kept
 
 
@@ -113,11 +113,11 @@ def check_brightness(volts: Array, limit: float) -> None:
         )
 
 
-def calibrated(
+def psi_correction(
     plan: Plan,
     header: Named,
     mode: str,
-    records: Sequence[Record],
+    records: Sequence[LineRecord],
 ) -> Pair:
     """Offset and drift of psi, rad, from records of the target; a ValueError if it saturates."""
     gain = Gain(*header["calibration"])
@@ -137,9 +137,9 @@ def calibrated(
 
 
 def measurement_from_records(
-    plan: Plan, header: Named, records: Sequence[Record]
+    plan: Plan, header: Named, records: Sequence[LineRecord]
 ) -> Measurement:
-    """Measurement from the records of all lines of a plan; raises as `calibrated` does.
+    """Measurement from the records of all lines of a plan; raises as `psi_correction` does.
 
     Beside what every `Measurement` has: ``raw_counts`` (mean of the kept samples), ``dark``,
     ``laser_power`` (W), ``detuning`` (Hz) and ``reflected_power`` (dBm) of both drives at each
@@ -178,11 +178,11 @@ def _arrays_of_mode(
     plan: Plan,
     header: Named,
     mode: str,
-    records: Sequence[Record],
+    records: Sequence[LineRecord],
 ) -> Fields:
     """Arrays of one mode, from its records, by the names of a measurement's variables."""
     gain = Gain(*header["calibration"])
-    offset, drift = calibrated(plan, header, mode, records)
+    offset, drift = psi_correction(plan, header, mode, records)
     image, counts = lines_of(plan, records, mode, "scan")
     dark = lines_of(plan, records, mode, "dark")[1].mean()
     power = image.power[:, None]

@@ -47,7 +47,7 @@ def open_serial(address: str, timeout: float = 1.0, *, rtscts: bool = False) -> 
         )
 
 
-def framed(text: str) -> bytes:
+def line_with_checksum(text: str) -> bytes:
     """Bytes of a line of text, with its checksum and a newline."""
     body = text.encode("latin-1")
     return b"%s*%04X\n" % (body, crc_hqx(body, 0xFFFF))
@@ -170,7 +170,7 @@ class RfDriver(Device):
         self._sequence = (self._sequence + 1) % 100
         with one_error(self.name):
             self._connection.write(
-                framed(" ".join([f">{self._sequence}", word, *arguments]))
+                line_with_checksum(" ".join([f">{self._sequence}", word, *arguments]))
             )
         while (words := self._read_line())[:1] != [f"<{self._sequence}"]:
             pass
@@ -185,7 +185,7 @@ class RfDriver(Device):
         with one_error(self.name):
             line = self._connection.read_until(b"\n", 1024)
         body = line.decode("latin-1").rpartition("*")[0]
-        if line != framed(body):
+        if line != line_with_checksum(body):
             kind = BadReply if line.endswith(b"\n") else InstrumentTimeout
             self._fail(
                 kind, "send a whole line in time", repr(line), "Check power and cable."

@@ -10,7 +10,7 @@ from cmtof.air import group_index
 from cmtof.constants import HALF_WAVE_PLATE_DOUBLED, HALF_WAVE_PLATE_SINGLE
 from cmtof.files import AnyPath, read_document
 from cmtof.types import Fields
-from cmtof.validation import checked
+from cmtof.validation import checked_values
 
 # Names of the drivers that each role accepts.
 DRIVERS = {
@@ -172,7 +172,7 @@ class Rig:
         record = found.pop("bench", None)
         if record:
             found = read_document(Path(path).parent / str(record)) | found
-        return checked(cls, found, Path(path).name)
+        return checked_values(cls, found, Path(path).name)
 
     @classmethod
     def default(cls) -> Self:

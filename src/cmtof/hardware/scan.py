@@ -13,21 +13,21 @@ from contextlib import AbstractContextManager
 from pathlib import Path
 
 from cmtof import __version__
-from cmtof.files import AnyPath, alone, check_output
+from cmtof.files import AnyPath, check_output, exclusive_lock
 from cmtof.hardware.bench import Bench
 from cmtof.hardware.journal import (
-    append,
-    begun,
+    append_line,
     check_settings,
     journal_path,
+    open_journal,
     whole_lines,
 )
 from cmtof.hardware.plan import SWEEP, Line, Plan
-from cmtof.hardware.reduction import calibrated, measurement_from_records
+from cmtof.hardware.reduction import measurement_from_records, psi_correction
 from cmtof.measurement import Measurement, open_measurement
 
 
-def finished(output: Path, plan: Plan) -> Measurement:
+def finished_measurement(output: Path, plan: Plan) -> Measurement:
     """Measurement of a finished scan; a ValueError if it has other settings or is none."""
     measurement = open_measurement(output)
     old = json.loads(measurement.dataset.attrs.get("settings", "{}"))
@@ -63,7 +63,9 @@ def scan(
             "Go on with --resume, or remove it to begin again."
         )
     if resume and output.exists() and not path.exists():
-        return finished(output, plan)  # the journal goes when the file is whole
+        return finished_measurement(
+            output, plan
+        )  # the journal goes when the file is whole
     mode = None
     with bench() as on:
         header = {
@@ -77,8 +79,8 @@ def scan(
             },
         }
         path.touch()
-        with alone(path):
-            records = begun(path, header, plan)
+        with exclusive_lock(path):
+            records = open_journal(path, header, plan)
             for line in plan.lines[len(records) :]:
                 if mode is None:
                     on.set_up()
@@ -86,8 +88,8 @@ def scan(
                     on.choose_mode(mode := line.mode)
                 records.append(on.measure(plan, line))
                 if (line.kind, line.row) == ("reference", SWEEP - 1):
-                    calibrated(plan, header, line.mode, records)
-                append(path, records[-1]._asdict())
+                    psi_correction(plan, header, line.mode, records)
+                append_line(path, records[-1]._asdict())
                 report(line)
     measurement = measurement_from_records(plan, header, records)
     measurement.save(output)

@@ -98,7 +98,9 @@ def measure(batch: Batch, *, inputs: str, protocol: str) -> Sample:
     )
 
 
-def leaves(rng: np.random.Generator, side: int, protocol: str = "released") -> Crop:
+def dead_leaves(
+    rng: np.random.Generator, side: int, protocol: str = "released"
+) -> Crop:
     """Overlapping slanted plates at random depths: the training data of the first stage.
 
     Depth, brightness and texture are independent, so that only the phases determine a wrap.
@@ -170,7 +172,7 @@ class Pack(NamedTuple):
     intensity: Array
     far: Array  # (V,), m, the 99.9th percentile, by which ``released`` shrinks
 
-    def staged(self, view: int, protocol: str, window: Any = ...) -> Crop:
+    def staged_window(self, view: int, protocol: str, window: Any = ...) -> Crop:
         """Depth as the protocol stages it, and intensity, of a window of one frame."""
         scale = released_scale(self.far[view]) if protocol == "released" else 1.0
         depth = self.depth[view][window]
@@ -231,7 +233,7 @@ def _pack_of_leaves(config: Config) -> Pack:
     """Leaves to validate on."""
     side = config.stages[-1].crop
     crops = [
-        leaves(np.random.default_rng([99, k]), side, config.protocol)
+        dead_leaves(np.random.default_rng([99, k]), side, config.protocol)
         for k in range(config.validation_views)
     ]
     depth, light = map(np.stack, zip(*crops, strict=True))
@@ -263,7 +265,7 @@ def _draw_window(
     first, classes = CLASSES[protocol]
     sizes = np.subtract(pack.depth.shape, (0, side - 1, side - 1))
     view, y, x = (rng.integers(size) for size in sizes)
-    depth, light = pack.staged(view, protocol, np.s_[y : y + side, x : x + side])
+    depth, light = pack.staged_window(view, protocol, np.s_[y : y + side, x : x + side])
     known = depth[np.isfinite(depth)]
     if known.size and rng.uniform() < 2 / 3:
         depth += (first + rng.uniform(0, classes)) * WRAP - rng.choice(known)
@@ -295,7 +297,7 @@ class Steps(Dataset[Batch]):
             if self.pack is not None and rng.uniform() < stage.rooms:
                 crop = room_crop(rng, self.pack, stage.crop, config.protocol)
             else:
-                crop = leaves(rng, stage.crop, config.protocol)
+                crop = dead_leaves(rng, stage.crop, config.protocol)
             noise = sigma * np.exp(rng.uniform(-0.2, 0.1))
             crops.append((*crop, noise, rng))
         return batch_of(crops, config.offset)

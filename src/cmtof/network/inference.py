@@ -35,10 +35,10 @@ from cmtof.network.features import FULL_AMPLITUDE, features, padding
 from cmtof.network.weights import (
     FOLDER,
     Card,
-    Refused,
+    WeightsRefused,
     find_weights,
     read_weights,
-    refused,
+    weights_error,
 )
 from cmtof.simulation import QUADRATURES
 from cmtof.types import Array, Arrays, Shape, Single, Texts
@@ -55,7 +55,7 @@ create_and_register_allocator(
 
 
 @dataclass(frozen=True)
-class Ready:
+class LoadedNetwork:
     """A network that can run: a unique name, its card and its weights."""
 
     name: str
@@ -67,26 +67,26 @@ def read_graph(card: Card) -> bytes:
     """Content of a model's ONNX file, a graph without weights."""
     path = FOLDER / f"{card.model}.{card.protocol}.onnx.gz"
     if not path.is_file():
-        raise Refused("no such model")
+        raise WeightsRefused("no such model")
     return gzip.decompress(path.read_bytes())
 
 
-def load_network(path: Path) -> Ready:
+def load_network(path: Path) -> LoadedNetwork:
     """Network with the weights of a file; a ValueError if file or card cannot be used."""
     arrays, card = read_weights(path)
     # a fork does not copy the threads of a session
-    ready = Ready(
+    ready = LoadedNetwork(
         f"{card.model}.{card.protocol} {card.sha256} {os.getpid()}", card, arrays
     )
     try:
-        about(ready)
+        metadata_of(ready)
     except Exception as error:  # ONNX Runtime raises a dozen kinds
-        raise refused(path, card, error) from error
+        raise weights_error(path, card, error) from error
     return ready
 
 
 @lru_cache(maxsize=8)
-def session(ready: Ready, size: Shape | None = None) -> InferenceSession:
+def session(ready: LoadedNetwork, size: Shape | None = None) -> InferenceSession:
     """Session of ONNX Runtime for images of one size (H, W), or of no size for the metadata alone.
 
     It fuses more layers where the size is known, in half of the memory.
@@ -130,8 +130,8 @@ def unwrap_with_network(
     first, _ = wraps_in_range(measurement)
     ready = network_for(measurement, model, weights)
     card = ready.card
-    if about(ready)["target"] == "depth":
-        turns = card.classes * (0.5 + output(ready, measurement, mirrored)[0])
+    if metadata_of(ready)["target"] == "depth":
+        turns = card.classes * (0.5 + graph_output(ready, measurement, mirrored)[0])
         depth = (card.first_wrap + turns) * wrap_length(FREQUENCIES[0])
         confidence = np.full_like(depth, card.validation.delta_lt_1)
     else:
@@ -148,7 +148,7 @@ def unwrap_with_network(
 
 def network_for(
     measurement: Measurement, model: str | None = None, weights: AnyPath | None = None
-) -> Ready:
+) -> LoadedNetwork:
     """Network with given or shipped weights; a ValueError if it does not fit the measurement."""
     tones = measurement.frequencies
     if tones.size < 2 or not np.allclose(tones[:2], FREQUENCIES, rtol=1e-6):
@@ -168,7 +168,7 @@ def network_for(
 
 
 def log_odds(
-    ready: Ready, measurement: Measurement, mirrored: bool = False
+    ready: LoadedNetwork, measurement: Measurement, mirrored: bool = False
 ) -> Iterator[tuple[slice, Single]]:
     """Rows of the image, h at a time, and log-odds (N, h, W) of the wraps in range.
 
@@ -184,17 +184,17 @@ def log_odds(
             f"Expected wraps within {low} to {stop - 1}, which {card.model} distinguishes, "
             f"got {first} to {last}. Narrow the range."
         )
-    found = output(ready, measurement, mirrored)
+    found = graph_output(ready, measurement, mirrored)
     step = max(2**14 // found.shape[2], 1)  # odds of more rows would leave the cache
     for top in range(0, found.shape[1], step):
         rows = slice(top, top + step)
-        odds = last_layer(ready, found[:, rows])[first - low : last - low + 1]
+        odds = apply_last_layer(ready, found[:, rows])[first - low : last - low + 1]
         odds -= odds.max(0)
         yield rows, odds
 
 
-def last_layer(ready: Ready, found: Single) -> Single:
-    """Values (N, H, W) of all classes, from the `output` (C, H, W) of a graph.
+def apply_last_layer(ready: LoadedNetwork, found: Single) -> Single:
+    """Values (N, H, W) of all classes, from the `graph_output` (C, H, W).
 
     That of 358 classes ends before the network's last layer, and hands on the layer's weights.
     """
@@ -236,14 +236,16 @@ def _at_quadratures(dataset: xr.Dataset) -> Array:
     return np.take_along_axis(correlation, distance.argmin(1)[..., None, None], axis=1)
 
 
-def about(ready: Ready) -> Texts:
+def metadata_of(ready: LoadedNetwork) -> Texts:
     """Metadata of a network: its inputs (``features``), output (``target``), ``stride``, px."""
     return session(ready).get_modelmeta().custom_metadata_map
 
 
-def output(ready: Ready, measurement: Measurement, mirrored: bool = False) -> Single:
+def graph_output(
+    ready: LoadedNetwork, measurement: Measurement, mirrored: bool = False
+) -> Single:
     """Output (C, H, W) of a graph for a measurement, or its mean over four mirror images."""
-    kind = about(ready)["features"]
+    kind = metadata_of(ready)["features"]
     images = network_images(measurement, kind)
 
     def answer(mirror):
@@ -258,9 +260,9 @@ def output(ready: Ready, measurement: Measurement, mirrored: bool = False) -> Si
     return found
 
 
-def run_padded(ready: Ready, inputs: Single) -> Single:
+def run_padded(ready: LoadedNetwork, inputs: Single) -> Single:
     """Output (C, H, W) of a graph for inputs (1, C', H, W), padded to the network's stride."""
-    metadata = about(ready)
+    metadata = metadata_of(ready)
     stride = int(metadata["stride"])
     height, width = inputs.shape[-2:]
     margins = [(0, padding(size, stride)) for size in (height, width)]

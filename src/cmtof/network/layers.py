@@ -31,7 +31,7 @@ class ImageNorm(nn.InstanceNorm2d):
         )
 
 
-class Normed(nn.Sequential):
+class NormedConv(nn.Sequential):
     """Convolution, batch norm, and further layers such as a ReLU.
 
     A norm that keeps its statistics is a scale and an offset: they go into the kernel and its bias,
@@ -57,14 +57,14 @@ def scale_and_offset(norm: nn.Module) -> tuple[Tensor, Tensor]:
 
 def conv(
     i: int, o: int, kernel=3, *, relu=True, norm=nn.BatchNorm2d, dilation=1, **more
-) -> Normed:
+) -> NormedConv:
     """Convolution from i to o channels, norm, ReLU; ``more`` are options of `torch.nn.Conv2d`."""
     # one kernel for each channel
     alone = dilation > 1 and more.get("groups", 1) > 1
     kind = SingleConv2d if alone else nn.Conv2d
     margin = dilation * (kernel // 2)
     layer = kind(i, o, kernel, padding=margin, dilation=dilation, bias=False, **more)
-    return Normed(layer, norm(o), *([nn.ReLU(inplace=True)] if relu else []))
+    return NormedConv(layer, norm(o), *([nn.ReLU(inplace=True)] if relu else []))
 
 
 def separable(i: int, o: int, stride: int = 1, norm=nn.BatchNorm2d) -> nn.Sequential:
@@ -74,7 +74,7 @@ def separable(i: int, o: int, stride: int = 1, norm=nn.BatchNorm2d) -> nn.Sequen
     )
 
 
-def resized(x: Tensor, like: Tensor) -> Tensor:
+def resize_like(x: Tensor, like: Tensor) -> Tensor:
     """Images (B, C, H, W) resized to those of ``like``, bilinearly, pixel centres at +0.5."""
     return functional.interpolate(
         x, size=like.shape[-2:], mode="bilinear", align_corners=False

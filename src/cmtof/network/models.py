@@ -17,11 +17,11 @@ from cmtof.network.features import CLASSES, FEATURE_SETS, channels, padding
 from cmtof.network.layers import (
     Bottleneck,
     ImageNorm,
-    Normed,
+    NormedConv,
     Pyramid,
     Residual,
     conv,
-    resized,
+    resize_like,
     scale_and_offset,
     separable,
 )
@@ -134,14 +134,18 @@ class FastSCNN(Network):
         skip = self.stem(x)  # (B, 32, H, W)
         down = self.down(skip)  # (B, 64, H/4, W/4)
         deep = self.deep(self.pyramid(self.extract(down)))  # (B, 128, H/8, W/8)
-        context = self.classify(functional.relu(resized(deep, down) + self.fine(down)))
+        context = self.classify(
+            functional.relu(resize_like(deep, down) + self.fine(down))
+        )
         if self.norm.training:
-            return functional.relu(self.norm(resized(context, skip) + self.skip(skip)))
+            return functional.relu(
+                self.norm(resize_like(context, skip) + self.skip(skip))
+            )
         # the norm goes into both summands
         scale, offset = (x.view(-1, 1, 1, 1) for x in scale_and_offset(self.norm))
         context = (context * scale[..., 0] + offset[..., 0]).to(context.dtype)
         fine = self.skip._conv_forward(skip, self.skip.weight * scale, None)
-        return functional.relu_(fine.add_(resized(context, skip)))
+        return functional.relu_(fine.add_(resize_like(context, skip)))
 
     @torch.no_grad()
     def see_the_beat(self, first: int) -> None:
@@ -226,7 +230,7 @@ class PublicFastSCNN(Network):
     def build(self) -> None:
         enter = nn.Conv2d(self.inputs, 32, 3, 2, bias=False)
         self.down = nn.Sequential(
-            Normed(enter, ImageNorm(32), nn.ReLU()),
+            NormedConv(enter, ImageNorm(32), nn.ReLU()),
             separable(32, 48, norm=ImageNorm),
             separable(48, 64, norm=ImageNorm),
         )
@@ -234,7 +238,7 @@ class PublicFastSCNN(Network):
             Bottleneck(i, o, 2 if k in self.halved else 1, norm=ImageNorm)
             for k, (i, o) in enumerate(pairwise(self.widths))
         )
-        self.extract = nn.Sequential(*blocks, public.Pyramid(128, (2, 3, 6)))
+        self.extract = nn.Sequential(*blocks, public.PublicPyramid(128, (2, 3, 6)))
         self.deep = nn.Sequential(
             conv(128, 128, groups=128, norm=ImageNorm),
             conv(128, 128, 1, relu=False, norm=ImageNorm),
@@ -249,9 +253,9 @@ class PublicFastSCNN(Network):
 
     def body(self, x: Tensor) -> Tensor:
         fine = self.down(x)  # (B, 64, H/2, W/2)
-        deep = self.deep(public.spread(self.extract(fine), fine))
+        deep = self.deep(public.resize_aligned(self.extract(fine), fine))
         mixed = functional.relu(deep + self.fine(fine))
-        return public.spread(self.classify(mixed), x)
+        return public.resize_aligned(self.classify(mixed), x)
 
 
 class UNet(Network):
@@ -354,8 +358,10 @@ class Rapid(Network):
         near = self.near(deep)
         far = (far(deep) for far in self.far)
         atrous = self.join(torch.cat([near, *far, mean.expand_as(near)], 1))
-        decoded = self.decoder(torch.cat([resized(atrous, fine), self.skip(fine)], 1))
-        return resized(decoded, x)
+        decoded = self.decoder(
+            torch.cat([resize_like(atrous, fine), self.skip(fine)], 1)
+        )
+        return resize_like(decoded, x)
 
 
 # The rows of Table 1, one that costs less, and the baselines: all read raw correlations.

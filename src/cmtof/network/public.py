@@ -10,14 +10,14 @@ from torch.nn import functional
 from cmtof.network.layers import ImageNorm, conv
 
 
-def spread(x: Tensor, like: Tensor) -> Tensor:
+def resize_aligned(x: Tensor, like: Tensor) -> Tensor:
     """Images (B, C, H, W) resized to those of ``like``, bilinearly, with aligned corners."""
     return functional.interpolate(
         x, size=like.shape[-2:], mode="bilinear", align_corners=True
     )
 
 
-def means(size: int, count: int, like: Tensor) -> Tensor:
+def averaging_matrix(size: int, count: int, like: Tensor) -> Tensor:
     """Matrix (count, size) that averages a row of ``size`` pixels over ``count`` equal parts.
 
     They are those of adaptive pooling, which ONNX does not have.
@@ -29,7 +29,7 @@ def means(size: int, count: int, like: Tensor) -> Tensor:
     return shares / shares.sum(1, keepdim=True)
 
 
-class Pyramid(nn.Module):
+class PublicPyramid(nn.Module):
     """Features joined with their means over parts of the image (pyramid pooling).
 
     The public code has a mean over all of it, too, of which its norm leaves nothing.
@@ -48,6 +48,10 @@ class Pyramid(nn.Module):
         height, width = x.shape[-2:]
         found = [x]
         for branch, count in zip(self.branches, self.counts, strict=True):
-            mean = means(height, count, x) @ x @ means(width, count, x).T
-            found.append(spread(branch(mean), x))
+            mean = (
+                averaging_matrix(height, count, x)
+                @ x
+                @ averaging_matrix(width, count, x).T
+            )
+            found.append(resize_aligned(branch(mean), x))
         return self.join(torch.cat(found, 1))

@@ -11,7 +11,7 @@ from cmtof.files import AnyPath, check_input, read_document
 from cmtof.network.models import MODELS
 from cmtof.network.weights import Count, Share, Strict
 from cmtof.types import Fields
-from cmtof.validation import checked
+from cmtof.validation import checked_values
 
 Size = Annotated[int, Field(ge=1, le=4096)]  # px
 # Configurations that travel with the package, by name.
@@ -121,4 +121,4 @@ def read_config(source: AnyPath, **changes: Any) -> Config:
         )
     values = {"name": path.stem} | (read_document(path) if values is None else values)
     replaced = {key: value for key, value in changes.items() if value is not None}
-    return checked(Config, values | replaced, f"the configuration {source}")
+    return checked_values(Config, values | replaced, f"the configuration {source}")

@@ -22,8 +22,8 @@ from torch import Tensor, nn
 from torch.utils.data import DataLoader
 
 from cmtof import __version__
-from cmtof.files import alone, written_whole
-from cmtof.frame import broken
+from cmtof.files import atomic_output, exclusive_lock
+from cmtof.frame import read_error
 from cmtof.hypersim import Hypersim
 from cmtof.network import weights
 from cmtof.network.data import (
@@ -130,7 +130,7 @@ class Unwrapping(LightningModule):
             steps, None, sampler=block, num_workers=8 * torch.cuda.is_available()
         )
 
-    def measured(self, batch: Batch) -> Sample:
+    def sample_from_batch(self, batch: Batch) -> Sample:
         """Network inputs and labels of a batch: its crops, measured by simulation."""
         sample = measure(
             batch, inputs=self.average.model.features, protocol=self.config.protocol
@@ -143,7 +143,7 @@ class Unwrapping(LightningModule):
         stage, share = self.config.stage_at(self.global_step)
         for layer in norms(self.network):
             layer.train(share < stage.freeze)
-        loss = loss_of(self.network, self.measured(batch))
+        loss = loss_of(self.network, self.sample_from_batch(batch))
         self.log("loss", loss, prog_bar=True)
         return loss
 
@@ -153,11 +153,11 @@ class Unwrapping(LightningModule):
     def on_train_epoch_end(self) -> None:
         due = (self.current_epoch + 1) % self.config.validate_every == 0
         if due and self.trainer.is_global_zero:
-            found = self.validated()["validation"].model_dump()
+            found = self.card_fields()["validation"].model_dump()
             self.curve.append({"step": self.global_step} | found)
         self.trainer.should_stop = time.monotonic() > self.end
         # other processes take part, and write nothing
-        whole = written_whole if self.trainer.is_global_zero else nullcontext
+        whole = atomic_output if self.trainer.is_global_zero else nullcontext
         with whole(self.checkpoint) as part:
             self.trainer.save_checkpoint(part)
 
@@ -181,9 +181,9 @@ class Unwrapping(LightningModule):
         places = np.linspace(0, len(pack.far) - 1, self.config.validation_views)
         sigma = self.config.stages[-1].noise[1]
         for view in np.unique(places.round()).astype(int):
-            crop = pack.staged(view, self.config.protocol)
+            crop = pack.staged_window(view, self.config.protocol)
             held = batch_of([(*crop, sigma, np.random.default_rng([7, view]))])
-            sample = self.measured(Batch(*(x.to(self.device) for x in held)))
+            sample = self.sample_from_batch(Batch(*(x.to(self.device) for x in held)))
             with torch.inference_mode():
                 found = network(sample.inputs)
             turns = found[:, 0].floor().clamp(0, network.classes - 1)
@@ -193,7 +193,7 @@ class Unwrapping(LightningModule):
                 label = sample.label[scored].cpu().numpy()
                 yield abs(wraps[scored].cpu().numpy() - label), label
 
-    def validated(self) -> Fields:
+    def card_fields(self) -> Fields:
         """Fields of a `Card`: rates of averaged weights and of trivial answers, and the gain."""
         ours, labels = zip(*self.errors(), strict=True)
         mode = int(np.bincount(np.concatenate(labels)).argmax())
@@ -253,7 +253,11 @@ def train(
     if tree is not None:
         Hypersim(tree)  # refused before anything is written
     folder.mkdir(parents=True, exist_ok=True)
-    with alone(folder) if getattr(rank_zero_only, "rank", 0) == 0 else nullcontext():
+    with (
+        exclusive_lock(folder)
+        if getattr(rank_zero_only, "rank", 0) == 0
+        else nullcontext()
+    ):
         last = folder / "last.ckpt"
         begun = last.is_file()
         if begun:
@@ -276,7 +280,9 @@ def train(
         path = weights.weights_path(config.model, config.protocol, folder)
         if trainer.is_global_zero:
             # validated as they are stored
-            module.average.load_state_dict(weights.halved(module.average))
+            module.average.load_state_dict(
+                weights.half_precision_weights(module.average)
+            )
             weights.save_weights(path, module.average, _card(module))
         return path
 
@@ -294,7 +300,7 @@ def _check_checkpoint(last: Path, config: Config, resume: bool) -> None:
         checkpoint = torch.load(last, map_location="cpu", weights_only=True)["cmtof"]
         stored = checkpoint["config"]
     except Exception as error:  # pickle, zipfile and torch raise half a dozen kinds
-        raise broken("a whole checkpoint", last, error) from error
+        raise read_error("a whole checkpoint", last, error) from error
     if stored != config.model_dump_json():
         raise ValueError(
             f"Expected the configuration of {last}, got another. Choose another folder."
@@ -348,5 +354,5 @@ def _card(module: Unwrapping) -> weights.Card:
         hardware=hardware,
         versions={"cmtof": __version__, "torch": torch.__version__.partition("+")[0]},
         curve=module.curve,
-        **module.validated(),
+        **module.card_fields(),
     )

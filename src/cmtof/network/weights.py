@@ -13,11 +13,11 @@ import numpy as np
 from numpy.typing import NDArray
 from pydantic import BaseModel, ConfigDict, Field, PositiveInt
 
-from cmtof.files import check_input, small_file, written_whole
-from cmtof.frame import broken
+from cmtof.files import atomic_output, check_input, read_small_file
+from cmtof.frame import read_error
 from cmtof.network.features import CLASSES
 from cmtof.types import Fields, Texts, Values
-from cmtof.validation import checked
+from cmtof.validation import checked_values
 
 Network = Tensor = Any  # of cmtof.network.models and of torch, which are imported late
 FOLDER = Path(str(files("cmtof"))) / "weights"  # those that travel with the package
@@ -75,7 +75,7 @@ class Trained(NamedTuple):
     card: Card
 
 
-class Refused(RuntimeError):
+class WeightsRefused(RuntimeError):
     """Error whose message is the reason why weights cannot be used."""
 
 
@@ -103,7 +103,7 @@ def find_weights(model: str, first: int, last: int, folder: Path = FOLDER) -> Pa
     )
 
 
-def halved(network: Network) -> dict[str, Tensor]:
+def half_precision_weights(network: Network) -> dict[str, Tensor]:
     """Weights by name in half precision; statistics of norms in single, for their range."""
     single = ("running_mean", "running_var", "num_batches_tracked")
     return {
@@ -116,11 +116,11 @@ def save_weights(path: Path, network: Network, card: Card) -> None:
     """Write weights in half precision and their card, with the hash of the weights' file."""
     from safetensors.torch import save
 
-    content = save(halved(network))
+    content = save(half_precision_weights(network))
     card = card.model_copy(update={"sha256": hashlib.sha256(content).hexdigest()})
     with (
-        written_whole(path) as part,
-        written_whole(path.with_suffix(".json")) as beside,
+        atomic_output(path) as part,
+        atomic_output(path.with_suffix(".json")) as beside,
     ):
         part.write_bytes(content)
         beside.write_text(card.model_dump_json(indent=1) + "\n", encoding="utf-8")
@@ -130,12 +130,12 @@ def read_card(weights: Path) -> Card:
     """Card of a file of weights; a ValueError if it is missing or damaged."""
     path = weights.with_suffix(".json")
     try:
-        values = json.loads(small_file(path))
+        values = json.loads(read_small_file(path))
     except (OSError, ValueError, RecursionError) as error:
         raise ValueError(
             f"Expected the card of {weights.name} in {path}, got {error}. Keep both together."
         ) from error
-    return checked(Card, values, path)
+    return checked_values(Card, values, path)
 
 
 def read_weights(path: Path) -> tuple[dict[str, NDArray], Card]:
@@ -151,20 +151,22 @@ def read_weights(path: Path) -> tuple[dict[str, NDArray], Card]:
     found = hashlib.sha256(content).hexdigest()
     try:
         if (card.first_wrap, card.classes) != CLASSES[card.protocol]:
-            raise Refused(f"no such model with {card.classes} classes")
+            raise WeightsRefused(f"no such model with {card.classes} classes")
         if found != card.sha256:
-            raise Refused(f"the hash {found[:12]}… instead of {card.sha256[:12]}…")
+            raise WeightsRefused(
+                f"the hash {found[:12]}… instead of {card.sha256[:12]}…"
+            )
         arrays = load(content)
         if not all(np.isfinite(array).all() for array in arrays.values()):
-            raise Refused("NaN or infinity")
-    except (Refused, SafetensorError) as error:
-        raise refused(path, card, error) from error
+            raise WeightsRefused("NaN or infinity")
+    except (WeightsRefused, SafetensorError) as error:
+        raise weights_error(path, card, error) from error
     return arrays, card
 
 
-def refused(path: Path, card: Card, error: Exception) -> ValueError:
+def weights_error(path: Path, card: Card, error: Exception) -> ValueError:
     """ValueError for weights that cannot be used, with the reason."""
-    return broken(
+    return read_error(
         f"finite weights of {card.model} that fit their card",
         path,
         error,
@@ -181,11 +183,11 @@ def load_weights(path: Path) -> Trained:
     arrays, card = read_weights(path)
     try:
         if card.model not in MODELS:
-            raise Refused("no such model")
+            raise WeightsRefused("no such model")
         network = build_network(card.model, card.protocol)
         network.load_state_dict(
             {name: torch.from_numpy(x) for name, x in arrays.items()}
         )
     except RuntimeError as error:
-        raise refused(path, card, error) from error
+        raise weights_error(path, card, error) from error
     return Trained(network.eval(), card)

@@ -22,7 +22,7 @@ from cmtof.correlation import TAU
 from cmtof.estimate import Components
 from cmtof.surfaces.field import Field
 from cmtof.surfaces.placing import Offsets
-from cmtof.surfaces.roughness import sum_nearby, turned_back
+from cmtof.surfaces.roughness import sum_nearby, turn_back
 from cmtof.surfaces.shapes import depth_of_labels, depth_of_pixels
 from cmtof.types import Array, Numbers
 
@@ -34,7 +34,7 @@ _CLOSE = 0.1
 # Log-odds that surfaces meet: without evidence; by the shares of their border that are close; by
 # the mean of the latter over all borders; by the log of the length; by slope, wraps per pixel.
 _MEETING = (-3.85, 1.66, 1.27, 2.75, 0.41, -0.61)
-_FAR = 10  # offset, wraps, up to which the odds of components are told
+_FAR = 10  # offset, wraps, up to which the odds of components are given
 _OFFSETS = np.arange(-32, 33)  # wraps, from that of the surface alone
 _UNSEEN = 0.2  # deviation, wraps, of an offset beyond its stated spread
 _STRAY = 1e-5  # share of surfaces whose own offset is arbitrary
@@ -53,7 +53,7 @@ class Borders(NamedTuple):
     odds: Array  # probability that both meet there
 
 
-class Tied(NamedTuple):
+class Placement(NamedTuple):
     """Offsets of surfaces by themselves and by their contacts, one entry (N,) each."""
 
     wraps: Array  # whole, to add
@@ -71,19 +71,19 @@ class Tied(NamedTuple):
         """Probability of these wraps."""
         return self.share[:, self.share.shape[1] // 2]
 
-    def calibrate(self, calibration: tuple) -> "Tied":
+    def calibrate(self, calibration: tuple) -> "Placement":
         """Probabilities as often right as those of these wraps were, (odds, share right)."""
         right = np.interp(self.odds, *calibration)
         factor = right / self.odds
         return self._replace(share=self.share * factor[:, None])
 
-    def moved(self, share: Array) -> "Tied":
+    def moved_surfaces(self, share: Array) -> "Placement":
         """Surfaces at their likeliest moves from these wraps, by probabilities (N, M) of them."""
         most = share.shape[1] // 2
         best = share.argmax(axis=1)
         moves = np.arange(-2 * most, 2 * most + 1)
         share = _values_at(share, best[:, None] + moves)
-        return Tied(self.wraps + best - most, self.group, share)
+        return Placement(self.wraps + best - most, self.group, share)
 
 
 def borders(field: Field, label: Numbers, surfaces: Array) -> Borders:
@@ -140,7 +140,7 @@ def _jumps(
 def _departures(field: Field, label: Numbers, surfaces: Array) -> Array:
     """Mean departure (H W,), wraps, of the pixels about each from their common surface."""
     depth = np.nan_to_num(depth_of_labels(field, label, surfaces))
-    turned = np.where(label < 0, 0, turned_back(field, depth)[0])
+    turned = np.where(label < 0, 0, turn_back(field, depth)[0])
     total = sum_nearby(turned, label, _NEAR)
     return np.angle(total).ravel() / TAU
 
@@ -158,29 +158,29 @@ def _evidence(step: Array, tilt: Array) -> tuple:
 def _odds_of_meeting(evidence: Array) -> Array:
     """Probability (B,) that surfaces meet, by the evidence (4, B) of their borders."""
     alike = evidence[1].mean() if evidence.size else 0.0
-    told = np.insert(evidence, 2, alike, axis=0)
+    known = np.insert(evidence, 2, alike, axis=0)
     base, *weights = _MEETING
-    return expit(base + np.array(weights) @ told)
+    return expit(base + np.array(weights) @ known)
 
 
-def tied(
+def offsets_with_contacts(
     found: Offsets,
     borders: Borders,
     limits: Array,
     repeat: float,
-    told: Callable[[Numbers], Array] | None = None,
-) -> Tied:
+    prior: Callable[[Numbers], Array] | None = None,
+) -> Placement:
     """Offsets of surfaces by their own beat and shape and by their contacts.
 
-    What is known from elsewhere counts, too: ``told`` returns log-odds of offsets (N, M), wraps.
+    What is known from elsewhere counts, too: ``prior`` returns log-odds of offsets (N, M), wraps.
     They lie within ``limits`` (2, N), wraps; beats repeat after ``repeat`` wraps. The message from
     surface a to b is ``log r_b(m + step) = L log(P q_a(m) + (1 - P) / M)``, where q_a are the
     probabilities at a without the message from b, P those that both meet, times `_agreement`, M the
     number of offsets, and L < 1, since the same evidence comes back around loops.
     """
     base, alone = _own_odds(found, limits, repeat)
-    if told:
-        alone += told(base + _OFFSETS)
+    if prior:
+        alone += prior(base + _OFFSETS)
     source = np.append(borders.first, borders.second)
     target = np.append(borders.second, borders.first)
     step = np.append(borders.step, -borders.step)[:, None]
@@ -189,8 +189,10 @@ def tied(
     odds = np.tile(borders.odds, 2)
     belief = _propagate(alone, source, target, place, odds)
     share = softmax(belief, axis=1)
-    alike = Tied(base[:, 0].astype(float), np.zeros(0, int), share).moved(share)
-    return alike._replace(group=groups(alike.wraps, borders))
+    alike = Placement(base[:, 0].astype(float), np.zeros(0, int), share).moved_surfaces(
+        share
+    )
+    return alike._replace(group=groups_of_surfaces(alike.wraps, borders))
 
 
 def _own_odds(found: Offsets, limits: Array, repeat: float) -> tuple[Numbers, Array]:
@@ -243,8 +245,8 @@ def _propagate(
     for _ in range(_ROUNDS):
         back = np.roll(message, len(source) // 2, axis=0)  # the message the other way
         share = softmax(belief[source] - back, axis=1)
-        told = _values_at(share, place)
-        new = _LOOP * np.log(meets * told + (1 - meets) / count)
+        shifted = _values_at(share, place)
+        new = _LOOP * np.log(meets * shifted + (1 - meets) / count)
         new -= new.max(axis=1, keepdims=True)
         message = _DAMPING * message + (1 - _DAMPING) * new
         belief = alone.copy()
@@ -252,7 +254,7 @@ def _propagate(
     return belief
 
 
-def groups(wraps: Array, borders: Borders) -> Numbers:
+def groups_of_surfaces(wraps: Array, borders: Borders) -> Numbers:
     """Group (N,) of surfaces joined by borders that hold."""
     first, second, step, _ = borders
     holds = wraps[first] + step == wraps[second]
@@ -262,9 +264,9 @@ def groups(wraps: Array, borders: Borders) -> Numbers:
     return connected_components(graph, directed=False)[1]
 
 
-def components(tied: Tied, borders: Borders, label: Numbers) -> Components:
+def components(tied: Placement, borders: Borders, label: Numbers) -> Components:
     """Components of surfaces that meet, of pixels labelled (H, W) by surface, -1 for none."""
-    group = groups(tied.wraps, borders)
+    group = groups_of_surfaces(tied.wraps, borders)
     count = group.size
     pixels = np.bincount(label[label >= 0], minlength=count)
     near = np.abs(tied.moves) <= _FAR

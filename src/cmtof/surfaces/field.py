@@ -43,8 +43,8 @@ class Field(NamedTuple):
     @property
     def side(self) -> int:
         """Side, px, of what tells by itself by how much it departs: a pixel if most are clear."""
-        told = self.information.sum(axis=0)
-        clear = (told > ENOUGH).sum() > (told > 0).sum() / 2
+        information = self.information.sum(axis=0)
+        clear = (information > ENOUGH).sum() > (information > 0).sum() / 2
         return 1 if clear else CELL
 
     @property
@@ -78,7 +78,7 @@ def field_from_measurement(measurement: Measurement) -> Field:
     v = (np.arange(rows) + 0.5 - lens[3]) / lens[1]
     wavenumber = 2 * TAU * measurement.frequencies[:2] / SPEED_OF_LIGHT
     return Field(
-        *np.pad(_weighted(measurement), ((0, 0), *padding)),
+        *np.pad(_weighted_phasors(measurement), ((0, 0), *padding)),
         wavenumber,
         turns=TAU * np.rint(wavenumber / wavenumber[0]),
         u=u,
@@ -89,7 +89,7 @@ def field_from_measurement(measurement: Measurement) -> Field:
     )
 
 
-def _weighted(measurement: Measurement) -> Array:
+def _weighted_phasors(measurement: Measurement) -> Array:
     """Real and imaginary part of P, and K: (3, 2, H, W)."""
     phase = measurement.phase[:2].astype(float)
     spread = seen_noise(measurement)
@@ -97,7 +97,7 @@ def _weighted(measurement: Measurement) -> Array:
     ratio = np.where(known, 1 / np.maximum(np.where(known, spread, 1), _SHARPEST), 0)
     information = ratio**2  # phases alone do not say how noisy they are
     if "correlation" in measurement.dataset and measurement.dataset.sizes["step"] > 3:
-        information = _smoothed(information, known)
+        information = _smooth_power(information, known)
     # P = a p / s^2 with the smoothed a / s and this pixel's own p / s
     size = np.sqrt(information) * ratio
     turned = np.where(known, phase, 0)
@@ -108,7 +108,7 @@ def _weighted(measurement: Measurement) -> Array:
     return np.array(images, np.float32)
 
 
-def _smoothed(power: Array, known: Flags) -> Array:
+def _smooth_power(power: Array, known: Flags) -> Array:
     """a^2 / s^2 (2, H, W) from |p|^2 / s^2 (2, H, W): one image, times the share of each tone."""
     share = np.array(
         [max(np.mean(p[known]) - 2, 1e-3) if known.any() else 1.0 for p in power]

@@ -12,8 +12,8 @@ from cmtof.surfaces.shapes import (
     FARTHEST,
     PLANE,
     depth_at,
-    moved,
-    possible,
+    is_possible,
+    move_surface,
     solve,
 )
 from cmtof.types import Array, Numbers
@@ -130,7 +130,7 @@ def _moments(field, region, q):  # pragma: no cover - compiled
                 axial = field.cosine[y, x]
                 z = 1.0 / max(axial * (none + u * (first + q[3] * u)), FARTHEST)
                 slope = -z * z * axial
-                told = pull = stiff = by_depth = by_both = by_turns = 0.0
+                total = pull = stiff = by_depth = by_both = by_turns = 0.0
                 for f in range(2):
                     k = field.wavenumber[f]
                     turns = field.turns[f]
@@ -141,13 +141,13 @@ def _moments(field, region, q):  # pragma: no cover - compiled
                     cosine, sine = _turn(k / TAU * z)
                     likelihood += real * cosine + imaginary * sine
                     error = imaginary * cosine - real * sine
-                    told += information
+                    total += information
                     pull += error * turns
                     stiff += information * turns * turns
                     by_depth += error * k
                     by_both += information * turns * k
                     by_turns += information * k * k
-                most += told
+                most += total
                 b += pull
                 c += stiff
                 for i in range(3):
@@ -176,7 +176,7 @@ def _add_row(row, v, g, h, matrix):  # pragma: no cover - compiled
 
 
 @njit()
-def look(field, region, q, size):  # pragma: no cover - compiled
+def evaluate_fit(field, region, q, size):  # pragma: no cover - compiled
     """Look at a surface whose first parameters may change.
 
     After m wraps and a change dq the phases fit as ``sum K (e + m t - k J dq)^2``; with the best
@@ -193,7 +193,7 @@ def look(field, region, q, size):  # pragma: no cover - compiled
 
 
 @njit()
-def leaning(field, region, q, weight):  # pragma: no cover - compiled
+def change_by_a_wrap(field, region, q, weight):  # pragma: no cover - compiled
     """Change (3,) of a plane that is moved by a wrap, and the covariance (3, 3) of its fit."""
     _, _, h, matrix = _moments(field, region, q)
     out = np.empty((4, 3))
@@ -206,9 +206,9 @@ def leaning(field, region, q, weight):  # pragma: no cover - compiled
 @njit()
 def _climb(field, region, q, size, steps):  # pragma: no cover - compiled
     """Climb by Gauss-Newton steps, as long as S grows by 0.01."""
-    best = look(field, region, q, size)
+    best = evaluate_fit(field, region, q, size)
     for _ in range(steps):
-        there = look(field, region, best.q + best.step, size)
+        there = evaluate_fit(field, region, best.q + best.step, size)
         if there.likelihood <= best.likelihood + 0.01:
             break
         best = there
@@ -223,7 +223,7 @@ def refine(field, region, q, size, steps, hops=HOPS):  # pragma: no cover - comp
         whole = min(max(np.rint(best.offset), -hops), hops)
         if whole == 0:
             break
-        start = moved(field, best.q, region.boxes, size, whole * field.period)[0]
+        start = move_surface(field, best.q, region.boxes, size, whole * field.period)[0]
         there = _climb(field, region, start, size, np.int64(3))
         if there.likelihood <= best.likelihood:
             break
@@ -232,13 +232,15 @@ def refine(field, region, q, size, steps, hops=HOPS):  # pragma: no cover - comp
 
 
 @njit()
-def _straightened(field, region, bent, plane, steps):  # pragma: no cover - compiled
+def _straighten(field, region, bent, plane, steps):  # pragma: no cover - compiled
     """The likelier of this plane and those that look bent, their slopes off by a turn per pixel."""
     near = np.empty(9)
     planes = np.empty((9, BENT))
     few = region.boxes[:: max(1, len(region.boxes) // 25)]
     for i in range(9):
-        planes[i], near[i] = moved(field, bent, few, PLANE, 0.0, i // 3 - 1, i % 3 - 1)
+        planes[i], near[i] = move_surface(
+            field, bent, few, PLANE, 0.0, i // 3 - 1, i % 3 - 1
+        )
     for _ in range(2):
         i = np.argmin(near)
         if near[i] < ASTRAY * TAU / field.wavenumber[0]:
@@ -256,7 +258,9 @@ def stiffness(field, most):  # pragma: no cover - compiled
 
 
 @njit()
-def select(field, region, q, steps, gain, weight):  # pragma: no cover - compiled
+def fit_plane_or_bent(
+    field, region, q, steps, gain, weight
+):  # pragma: no cover - compiled
     """Plane, or a bent surface where that fits much better: by ``gain`` and by `FLAT`.
 
     And by how much, m (rms), a plane misses. ``weight`` is the number of pixels that stand for each
@@ -266,13 +270,13 @@ def select(field, region, q, steps, gain, weight):  # pragma: no cover - compile
     before = refine(field, region, q, BENT if was_bent else PLANE, steps)
     plane = before
     if was_bent:
-        start = moved(field, before.q, region.boxes, PLANE, 0.0)[0]
+        start = move_surface(field, before.q, region.boxes, PLANE, 0.0)[0]
         plane = refine(field, region, start, PLANE, steps)
     bent = refine(field, region, plane.q, BENT, steps)
     if was_bent and bent.likelihood <= before.likelihood:
         bent = before
     if (bent.likelihood - plane.likelihood) * weight > gain:
-        plane = _straightened(field, region, bent.q, plane, steps)
+        plane = _straighten(field, region, bent.q, plane, steps)
     # S falls by half of K k^2 times the square of what a plane misses
     stiff = max(stiffness(field, plane.most * weight) / 2, 1e-9)
     lost = (bent.likelihood - plane.likelihood) * weight
@@ -291,7 +295,7 @@ def boxes_of_cells(cells, columns, most):  # pragma: no cover - compiled
 
 @njit()
 def _fit_all(field, label, cells, starts, surfaces, effort, gain):  # pragma: no cover
-    """Do what `fitted` says, in place; cells sorted by surface, and where those of each start."""
+    """Fit as `fit_surfaces` says, in place; cells sorted by surface, and where each starts."""
     steps, most = effort
     fit = np.zeros((len(surfaces), 16))
     for n in range(len(surfaces)):
@@ -305,26 +309,26 @@ def _fit_all(field, label, cells, starts, surfaces, effort, gain):  # pragma: no
 
 @njit()
 def _fit_one(field, region, q, steps, gain, weight):  # pragma: no cover - compiled
-    """Fit a surface in place; its row (16,) of `fitted`, zeros if it is not possible."""
+    """Fit a surface in place; its row (16,) of `fit_surfaces`, zeros if it is not possible."""
     row = np.zeros(16)
-    found, missed = select(field, region, q, steps, gain, weight)
-    if possible(field, found.q, region.boxes):
+    found, missed = fit_plane_or_bent(field, region, q, steps, gain, weight)
+    if is_possible(field, found.q, region.boxes):
         stiff = max(stiffness(field, found.most), 1e-9)
         bend = np.sqrt(found.known / stiff)
         row[:4] = (found.offset, found.known * weight, missed, bend)
         if not found.q[PLANE:].any():
-            row[4:] = leaning(field, region, found.q, weight).ravel()
+            row[4:] = change_by_a_wrap(field, region, found.q, weight).ravel()
         q[:] = found.q
     return row
 
 
-def fitted(
+def fit_surfaces(
     field: Field, label: Numbers, surfaces: Array, effort: tuple, gain: float
 ) -> tuple:
     """Fit every surface (N, 7) to its pixels, with so many steps, on so many cells at most.
 
     And the fit (N, 16): offset that is lacking, wraps; its inverse variance; what a plane misses,
-    m (rms); by how much a wrap bends a plane, m; for planes `leaning`.
+    m (rms); by how much a wrap bends a plane, m; for planes `change_by_a_wrap`.
     """
     columns = label.shape[1] // CELL
     count = label.size // CELL**2

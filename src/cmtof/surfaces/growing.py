@@ -10,11 +10,11 @@ from cmtof.surfaces.fitting import (
     BENT,
     boxes_of_cells,
     cell_likelihood,
-    fitted,
+    fit_plane_or_bent,
+    fit_surfaces,
     frequency_sums,
-    possible,
+    is_possible,
     region_of_boxes,
-    select,
 )
 from cmtof.surfaces.roughness import sum_cells
 from cmtof.surfaces.windows import FREE, WINDOWS, plane_in_window, windows
@@ -74,10 +74,10 @@ def grown_surfaces(
         added = _grow(field, grid, start, gain, roughest, len(surfaces))
         surfaces = np.concatenate([surfaces, added])
     for turn in range(_ROUNDS):
-        owner = _reassigned(field, owner, surfaces, information)
+        owner = _reassign_cells(field, owner, surfaces, information)
         if turn % 2:
             label = pixels_of_cells(owner)
-            surfaces, _ = fitted(field, label, surfaces, (_STEPS, _CELLS), gain)
+            surfaces, _ = fit_surfaces(field, label, surfaces, (_STEPS, _CELLS), gain)
     return owner, surfaces
 
 
@@ -107,13 +107,13 @@ def _grow(field, grid, start, gain, roughest, count):  # pragma: no cover - comp
 def _seed_in_window(field, grid, window, gain, roughest):  # pragma: no cover - compiled
     """A surface in a window, if enough of this is free, and enough of it explained."""
     rows, columns = _cells_of_window(window)
-    told = grid.information[:, rows, columns].sum()
+    information = grid.information[:, rows, columns].sum()
     free = (grid.owner[rows, columns] < 0).sum()
     q = np.zeros(BENT)
     rough = -1.0
     if free >= FREE * (window[2] // CELL) ** 2:
-        q, likelihood = plane_in_window(field, window, told)
-        if likelihood >= _START * told:
+        q, likelihood = plane_in_window(field, window, information)
+        if likelihood >= _START * information:
             rough = 0.0
         elif likelihood > 0:
             found = _roughness(field, q, window, roughest)
@@ -158,24 +158,26 @@ def _grow_from_cells(field, grid, seed, cells, mark):  # pragma: no cover - comp
     while cells.size > before:
         before = cells.size
         boxes, weight = boxes_of_cells(cells, grid.owner.shape[1], _CELLS)
-        fit, _ = select(field, region_of_boxes(boxes), q, _STEPS, seed.gain, weight)
-        if possible(field, fit.q, boxes):
+        fit, _ = fit_plane_or_bent(
+            field, region_of_boxes(boxes), q, _STEPS, seed.gain, weight
+        )
+        if is_possible(field, fit.q, boxes):
             q = fit.q
         if rough > 0:
             rough = min(_scatter(frequency_sums(field, q, boxes)), seed.most)
-        cells = _spread(field, grid, q, rough, cells, mark)
+        cells = _add_cells_beside(field, grid, q, rough, cells, mark)
     return q, rough, cells
 
 
 @njit(inline="always")
 def _explains(field, grid, q, rough, y, x):  # pragma: no cover - compiled
     """Whether a surface may grow into a cell."""
-    least = _JOIN * _expected(rough, grid.information, y, x)
+    least = _JOIN * _expected_likelihood(rough, grid.information, y, x)
     return cell_likelihood(field, q, y, x) > least
 
 
 @njit(inline="always")
-def _expected(rough, information, y, x):  # pragma: no cover - compiled
+def _expected_likelihood(rough, information, y, x):  # pragma: no cover - compiled
     """S that a surface of this roughness has in a cell on average."""
     return (
         np.exp(-rough / 2) * information[0, y, x]
@@ -206,7 +208,9 @@ def _roughness(field, q, window, roughest):  # pragma: no cover - compiled
 
 
 @njit()
-def _spread(field, grid, q, rough, cells, mark):  # pragma: no cover - compiled
+def _add_cells_beside(
+    field, grid, q, rough, cells, mark
+):  # pragma: no cover - compiled
     """Add free cells beside these that the surface explains, until they have doubled."""
     size = cells.size
     goal = max(2 * size, size + 8)
@@ -239,11 +243,11 @@ def neighbours(cells, y, x):  # pragma: no cover - compiled
 
 
 @njit()
-def _reassigned(field, owner, surfaces, information):  # pragma: no cover - compiled
+def _reassign_cells(field, owner, surfaces, information):  # pragma: no cover - compiled
     """Give each cell the likeliest of the surfaces about it, or none."""
     out = owner.copy()
     for y, x in np.ndindex(owner.shape):
-        found = around(owner, y, x)
+        found = owners_around(owner, y, x)
         if found.size == 0 or (found.size == 1 and owner[y, x] == found[0]):
             continue
         best = -np.inf
@@ -256,13 +260,13 @@ def _reassigned(field, owner, surfaces, information):  # pragma: no cover - comp
             if value > best:
                 best = value
                 at = n
-        told = _expected(surfaces[at, 6], information, y, x)
-        out[y, x] = at if best >= _STAY * told - np.sqrt(told) else -1
+        expected = _expected_likelihood(surfaces[at, 6], information, y, x)
+        out[y, x] = at if best >= _STAY * expected - np.sqrt(expected) else -1
     return out
 
 
 @njit()
-def around(owner, y, x):  # pragma: no cover - compiled
+def owners_around(owner, y, x):  # pragma: no cover - compiled
     """The different owners of a cell and its eight neighbours."""
     near = np.unique(owner[max(y - 1, 0) : y + 2, max(x - 1, 0) : x + 2])
     return near[near >= 0]

@@ -16,15 +16,15 @@ import numpy as np
 from scipy.ndimage import distance_transform_edt, median, uniform_filter
 
 from cmtof.classical.beat import beat, synthetic_frequency
-from cmtof.classical.region import nearest
+from cmtof.classical.region import nearest_pixel
 from cmtof.compiled import njit
 from cmtof.correlation import TAU
 from cmtof.estimate import Components, Estimate, within_range
 from cmtof.measurement import Measurement
 from cmtof.surfaces import contacts, placing
 from cmtof.surfaces.field import Field, field_from_measurement, pixels_of_cells
-from cmtof.surfaces.growing import GAIN, ROUGHEST, fitted, grown_surfaces
-from cmtof.surfaces.roughness import Cells, cells_of_surfaces, departure, turned_back
+from cmtof.surfaces.growing import GAIN, ROUGHEST, fit_surfaces, grown_surfaces
+from cmtof.surfaces.roughness import Cells, cells_of_surfaces, departure, turn_back
 from cmtof.types import Array, Arrays, Flags, Numbers
 
 STEPS = (
@@ -64,7 +64,7 @@ _FARTHEST = 8  # wraps from a pixel's own beat up to which neighbours may outvot
 
 
 # Log-odds of offsets, from depth (H, W) and surface (H, W) before any, and offsets (N, M).
-Told = Callable[[Array, Numbers, Numbers], Array]
+OddsOfOffsets = Callable[[Array, Numbers, Numbers], Array]
 
 
 class Stages(NamedTuple):
@@ -76,7 +76,7 @@ class Stages(NamedTuple):
     surfaces: Array  # parameters and roughness (N, 7) before any offset is added
     offsets: placing.Offsets
     borders: contacts.Borders
-    tied: contacts.Tied
+    tied: contacts.Placement
     depth: Array  # of all pixels, m
     confidence: Array
     components: Components  # of the image without its padding
@@ -86,17 +86,17 @@ def surfaces(
     measurement: Measurement,
     *,
     without: Collection[str] = (),
-    told: Told | None = None,
+    prior: OddsOfOffsets | None = None,
 ) -> Estimate:
     """Depths by surfaces in true geometry, each pooled over all of its pixels.
 
-    Steps named in ``without`` are left out, and ``told`` says more of offsets, as in `stages`.
+    Steps named in ``without`` are left out, and ``prior`` says more of offsets, as in `stages`.
     """
     if not set(without) <= set(STEPS):
         raise ValueError(
             f"Expected steps out of {STEPS} to leave out, got {without}. Correct it."
         )
-    found = stages(measurement, without, told)
+    found = stages(measurement, without, prior)
     height, width = measurement.shape
     depth = within_range(found.depth[:height, :width], measurement)
     sure = np.where(measurement.mask, found.confidence[:height, :width], 0)
@@ -106,47 +106,47 @@ def surfaces(
 def stages(
     measurement: Measurement,
     without: Collection[str] = (),
-    told: Told | None = None,
+    prior: OddsOfOffsets | None = None,
 ) -> Stages:
     """Results of all steps, for two frequencies of which none is a multiple of the other.
 
     Steps that may be left out: ``bent`` surfaces beside planes; ``parts``, cut where the beat
     steps; with a camera, offsets by the ``shape``, one of all beats by it (``closure``), and by the
     ``axes`` of the room; ``ties`` of surfaces that meet; the ``fill`` of far pixels by their beat.
-    ``told`` returns log-odds of offsets (N, M), wraps, from the depth (H, W), m, and the surface
+    ``prior`` returns log-odds of offsets (N, M), wraps, from the depth (H, W), m, and the surface
     (H, W) of pixels before any offset.
     """
     synthetic_frequency(*measurement.frequencies[:2])  # refuses multiples
     field = field_from_measurement(measurement)
     if measurement.camera is None:
         without = {"shape", *without}
-    grown = _grown(field, without, measurement.camera is not None)
-    everywhere = grown.label[nearest(grown.label >= 0)]
+    grown = _grow_surfaces(field, without, measurement.camera is not None)
+    everywhere = grown.label[nearest_pixel(grown.label >= 0)]
     depth = placing.depth_of_labels(field, everywhere, grown.surfaces)
     cells = cells_of_surfaces(
         field, grown.inner, depth, len(grown.surfaces), field.side
     )
-    alone = _alone(field, cells, grown, without)
+    alone = _own_offsets(field, cells, grown, without)
     touching = contacts.borders(field, grown.label, grown.surfaces)
     touching = touching._replace(odds=touching.odds * ("ties" not in without))
     inside = np.s_[: measurement.shape[0], : measurement.shape[1]]
     masked = np.where(measurement.mask, grown.label[inside], -1)
-    joined = contacts.tied(
+    joined = contacts.offsets_with_contacts(
         alone,
         touching,
         _limits(field, depth[inside], masked, len(grown.surfaces)),
         repeat=1 / abs(field.excess),
-        told=told and partial(told, depth[inside], masked),
+        prior=prior and partial(prior, depth[inside], masked),
     ).calibrate(CALIBRATION)
     # where there is no surface, the number -1 stands for the last entry
     depth = depth + field.period * np.append(joined.wraps, 0)[everywhere]
-    depth = _departed(field, depth, np.append(cells.rough, 0)[grown.label])
+    depth = _add_departures(field, depth, np.append(cells.rough, 0)[grown.label])
     _fill(
         depth[inside],
         (grown.distance[inside] > REACH) & ("fill" not in without),
         measurement,
     )
-    elected, votes = voted(field, depth, grown.label >= 0, alone.closure)
+    elected, votes = depth_by_votes(field, depth, grown.label >= 0, alone.closure)
     masked[votes[inside] > 0] = -1
     return Stages(
         field,
@@ -162,7 +162,7 @@ def stages(
     )
 
 
-class Grown(NamedTuple):
+class GrownSurfaces(NamedTuple):
     """Surfaces before any offset is added, and the pixels that lie on them."""
 
     owner: Numbers  # surface of each cell, -1 for none
@@ -170,11 +170,13 @@ class Grown(NamedTuple):
     share: Array  # S / E about each pixel (H, W)
     inner: Numbers  # labels without the borders of surfaces
     surfaces: Array  # parameters and roughness (N, 7)
-    fit: Array  # as `fitted` has it (N, 16)
+    fit: Array  # as `fit_surfaces` has it (N, 16)
     distance: Array  # of each pixel from the nearest that lies on a surface (H, W), px
 
 
-def _grown(field: Field, without: Collection[str], known: bool) -> Grown:
+def _grow_surfaces(
+    field: Field, without: Collection[str], known: bool
+) -> GrownSurfaces:
     """Surfaces grown and cut; with an unknown camera none is rough."""
     gain = np.inf if "bent" in without else GAIN
     # without a camera what a shape lacks would look like roughness
@@ -182,15 +184,15 @@ def _grown(field: Field, without: Collection[str], known: bool) -> Grown:
     label, share = placing.pixel_labels(field, owner, surfaces)
     inner = placing.interiors(label, share)
     if "parts" not in without:
-        parts, cut = placing.parted(field, inner, surfaces)
+        parts, cut = placing.cut_surfaces(field, inner, surfaces)
         if len(cut) > len(surfaces):
             owner, surfaces = _fit_again(field, owner, parts, cut, gain)
             label, share = placing.pixel_labels(field, owner, surfaces)
             inner = placing.interiors(label, share)
-    surfaces, fit = fitted(field, inner, surfaces, (_STEPS, _CELLS), gain)
+    surfaces, fit = fit_surfaces(field, inner, surfaces, (_STEPS, _CELLS), gain)
     off = label < 0
     distance = np.where(off.all(), np.inf, distance_transform_edt(off))
-    return Grown(owner, label, share, inner, surfaces, fit, distance)
+    return GrownSurfaces(owner, label, share, inner, surfaces, fit, distance)
 
 
 def _fit_again(
@@ -201,12 +203,12 @@ def _fit_again(
     changed = parts != owner
     both = np.isin(parts, [owner[changed], parts[changed]])
     cells = pixels_of_cells(np.where(both, parts, -1))
-    surfaces, _ = fitted(field, cells, surfaces, (_STEPS, _CELLS), gain)
+    surfaces, _ = fit_surfaces(field, cells, surfaces, (_STEPS, _CELLS), gain)
     return parts, surfaces
 
 
-def _alone(
-    field: Field, cells: Cells, grown: Grown, without: Collection[str]
+def _own_offsets(
+    field: Field, cells: Cells, grown: GrownSurfaces, without: Collection[str]
 ) -> placing.Offsets:
     """Offsets of surfaces by their own beat and shape, and by the axes of a room."""
     shape = "shape" not in without
@@ -215,11 +217,11 @@ def _alone(
         beats, grown.surfaces, grown.fit, shape=shape, closed="closure" in without
     )
     if shape and "axes" not in without and len(grown.surfaces):
-        found = placing.aligned(found, grown.surfaces, grown.fit, grown.label)
+        found = placing.use_axes(found, grown.surfaces, grown.fit, grown.label)
     return found
 
 
-def _confidence(field: Field, odds: Array, grown: Grown, votes: Array) -> Array:
+def _confidence(field: Field, odds: Array, grown: GrownSurfaces, votes: Array) -> Array:
     """Confidence of all pixels, by the odds of their surface or by the vote they won."""
     near = np.interp(grown.distance, *BESIDE)
     odds = odds * np.where(grown.label >= 0, np.interp(grown.share, *FITTING), near)
@@ -235,12 +237,12 @@ def _fill(depth: Array, far: Flags, measurement: Measurement) -> None:
         depth[lost] = beat(measurement).depth[lost]
 
 
-def _departed(field: Field, depth: Array, rough: Array) -> Array:
+def _add_departures(field: Field, depth: Array, rough: Array) -> Array:
     """Depth (H, W), m, with the departure of each pixel of rough surfaces; clear ones vote."""
     variance = np.where(doubt_of_beats(field) < DOUBT, 0, rough)
     if not variance.any():
         return depth
-    off = departure(field, turned_back(field, depth), variance)
+    off = departure(field, turn_back(field, depth), variance)
     return depth + off / field.wavenumber[0]
 
 
@@ -265,7 +267,9 @@ class Ballot(NamedTuple):
     place: Array  # depth of pixels that a surface explains, NaN for others
 
 
-def voted(field: Field, depth: Array, explained: Flags, closure: float) -> Arrays:
+def depth_by_votes(
+    field: Field, depth: Array, explained: Flags, closure: float
+) -> Arrays:
     """Depth (H, W), m, by votes of and for clear pixels that no surface explains, and their share.
 
     A neighbour costs its distance and its beat's misfit, squared over their variances, up to a cap,
@@ -274,7 +278,7 @@ def voted(field: Field, depth: Array, explained: Flags, closure: float) -> Array
     doubt = doubt_of_beats(field)
     clear = doubt < DOUBT
     # pixels among those whose phases are not those of their surface vote again
-    close = np.abs(np.angle(turned_back(field, depth))).max(axis=0) < _ASTRAY
+    close = np.abs(np.angle(turn_back(field, depth))).max(axis=0) < _ASTRAY
     close = uniform_filter((explained & close).astype(float), _SQUARE)
     explained = explained & (~clear | (close >= _MOST))
     asked = ~explained & clear
@@ -291,7 +295,7 @@ def voted(field: Field, depth: Array, explained: Flags, closure: float) -> Array
         TAU**2 / (2 * spread**2),
         np.where(explained, depth / field.period, np.nan),
     )
-    place, share = _vote(
+    place, share = _winning_depth(
         ballot, field.ratio, _FARTHEST * step, np.array(field.limits) / field.period
     )
     return place * field.period, share
@@ -307,7 +311,7 @@ def doubt_of_beats(field: Field) -> Array:
 
 
 @njit()
-def _vote(ballot, ratio, far, limits):  # pragma: no cover - compiled
+def _winning_depth(ballot, ratio, far, limits):  # pragma: no cover - compiled
     """Depth (H, W), wraps, that wins the vote on each pixel, NaN where none does, and its share."""
     out = np.full(ballot.low.shape, np.nan)
     share = np.zeros(ballot.low.shape)

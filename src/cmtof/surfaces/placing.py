@@ -14,7 +14,7 @@ from cmtof.compiled import njit
 from cmtof.correlation import TAU
 from cmtof.surfaces.field import CELL, ENOUGH, Field
 from cmtof.surfaces.fitting import pixel_likelihood
-from cmtof.surfaces.growing import around
+from cmtof.surfaces.growing import owners_around
 from cmtof.surfaces.roughness import (
     Cells,
     cells_of_surfaces,
@@ -23,7 +23,7 @@ from cmtof.surfaces.roughness import (
     sum_cells,
     sum_nearby,
     sum_surfaces,
-    turned_alike,
+    turn_both_back,
 )
 from cmtof.surfaces.shapes import depth_of_labels
 from cmtof.types import Array, Arrays, Flags, Numbers
@@ -79,14 +79,14 @@ def pixel_labels(
     label = np.full(shape, -1, np.int32)
     best = np.full(shape, -np.inf)
     _label(field, owner, surfaces, label, best)
-    told = np.zeros(shape)
+    expected = np.zeros(shape)
     rough = surfaces[:, 6:].sum(axis=1)
     # each frequency loses its own part of S by roughness
     for image, loss in zip(field.information, (0.5, 2.0), strict=True):
         left = np.append(np.exp(-loss * rough), 1.0)
         mean = uniform_filter(image.astype(float), side, mode="constant")
-        told += side**2 * mean * left[label]
-    share = best / np.maximum(told, 1e-9)
+        expected += side**2 * mean * left[label]
+    share = best / np.maximum(expected, 1e-9)
     share = np.where(label < 0, 0, share).astype(np.float32)
     label = np.where(share > EXPLAINED, label, -1)
     return label.astype(np.int32), share
@@ -111,7 +111,7 @@ def _label(field, owner, surfaces, label, best):  # pragma: no cover - compiled
     """Sum S of every surface about a cell over squares about its pixels; keep the largest."""
     side = 2 * RADIUS + 1
     for row, column in np.ndindex(owner.shape):
-        for n in around(owner, row, column):
+        for n in owners_around(owner, row, column):
             near = _near_cell(field, surfaces[n], row, column)
             for y in range(CELL):
                 for x in range(CELL):
@@ -164,8 +164,8 @@ def _information_of_shapes(fit: Array) -> Array:
     stiff = np.where(plane, known / bend**2, 0)
     # what is too faint for its own unevenness to be seen is as uneven as the others
     order = np.argsort(missed)
-    told = stiff[order].cumsum()
-    middle = np.searchsorted(told, told[-1:] / 2)
+    summed = stiff[order].cumsum()
+    middle = np.searchsorted(summed, summed[-1:] / 2)
     typical = missed[order][middle]
     unseen = np.minimum(typical, np.sqrt(_FAINT / np.maximum(stiff, 1e-12)))
     uneven = np.maximum(missed, np.maximum(unseen, _SMOOTH))
@@ -209,7 +209,7 @@ def _planes(surfaces: Array, fit: Array) -> Planes:
     return Planes(normal, turn, noise, shift.any(axis=1))
 
 
-def aligned(found: Offsets, surfaces: Array, fit: Array, label: Numbers) -> Offsets:
+def use_axes(found: Offsets, surfaces: Array, fit: Array, label: Numbers) -> Offsets:
     """Offsets of planes, made sharper where these stand upright to the axes of a room.
 
     Moved by m wraps, a plane of normal n turns to n + m dn: a right angle to an axis a gives m.
@@ -289,7 +289,9 @@ def _beats(field: Field, cells: Cells) -> Beats:
     """One pass of `pooled_beats`."""
     multiple = field.multiple
     turned = _cell_phasors(field, cells)
-    total, most = pooled_phasors(cells.main, turned, cells.told, cells.rough.size)
+    total, most = pooled_phasors(
+        cells.main, turned, cells.information, cells.rough.size
+    )
     length = np.maximum(np.abs(total), 1e-9)
     wrap = TAU * field.excess
     low, high = total
@@ -307,28 +309,30 @@ def _cell_phasors(field: Field, cells: Cells) -> Array:
     if cells.rough.any():  # pixels are turned back by their own departure first
         rough = np.append(cells.rough, 0)[cells.label]
         off = departure(field, cells.turned, rough)
-        turned = turned_alike(field, cells.turned, off)
+        turned = turn_both_back(field, cells.turned, off)
         sums = sum_cells(turned, cells.side)
     near = _with_neighbours(cells, sums) if cells.side > 1 else sums
     low = np.angle(near[0])
-    high = np.angle(turned_alike(field, near, low)[1])
+    high = np.angle(turn_both_back(field, near, low)[1])
     lower, higher = np.abs(near)
     pull = higher * multiple * high / (lower + multiple**2 * higher + 1e-9)
-    return turned_alike(field, sums, low + pull)
+    return turn_both_back(field, sums, low + pull)
 
 
 def _with_neighbours(cells: Cells, sums: Array) -> Array:
     """Phasors (2, h, w) of cells, with those of neighbours where one knows too little."""
-    both = np.concatenate([sums, cells.told])
+    both = np.concatenate([sums, cells.information])
     found = both
     for radius in (1, 2, 4):  # six functions miss what these turn back
-        told = found[2:].real.sum(axis=0)
+        information = found[2:].real.sum(axis=0)
         wider = sum_nearby(both, cells.main, radius)
-        found = np.where(told < ENOUGH, wider, found)
+        found = np.where(information < ENOUGH, wider, found)
     return found[:2]
 
 
-def parted(field: Field, inner: Numbers, surfaces: Array) -> tuple[Numbers, Array]:
+def cut_surfaces(
+    field: Field, inner: Numbers, surfaces: Array
+) -> tuple[Numbers, Array]:
     """Surface of most pixels in each cell, and surfaces (N, 7), those cut whose beat steps.
 
     Two planes at whole wraps of distance have the same phases and grow as one. They are parted if
@@ -358,9 +362,9 @@ def _lags(field: Field, cells: Cells) -> Arrays:
     """Lag of the beat of each cell (h, w), wraps, and its inverse variance."""
     wrap = TAU * field.excess
     ratio = field.multiple
-    low, high = _cell_phasors(field, cells).imag / np.maximum(cells.told, 1e-6)
+    low, high = _cell_phasors(field, cells).imag / np.maximum(cells.information, 1e-6)
     lag = (high - ratio * low) / wrap
-    lower, higher = cells.told
+    lower, higher = cells.information
     both = np.maximum(lower + ratio**2 * higher, 1e-9)
     return lag, wrap**2 * lower * higher / both
 

@@ -25,7 +25,7 @@ class Cells(NamedTuple):
     label: Numbers  # (H, W), of the pixels of this surface, -1 for others
     turned: Array  # phasors (2, H, W) of these, zero for others
     sums: Array  # of these (2, h, w)
-    told: Array  # and their E
+    information: Array  # and their E
     rough: Array  # variance (N,), rad^2, of the pixels of each surface about it
 
     @property
@@ -42,12 +42,12 @@ def cells_of_surfaces(
     whole = pixels_of_cells(main, side)
     chosen = (whole == inner) & (inner >= 0)
     label = np.where(chosen, inner, -1)
-    turned = np.where(chosen, turned_back(field, np.nan_to_num(depth)), 0)
-    information = np.where(chosen, field.information, 0)
-    told = sum_cells(information.astype(float), side)
+    turned = np.where(chosen, turn_back(field, np.nan_to_num(depth)), 0)
+    weights = np.where(chosen, field.information, 0)
+    information = sum_cells(weights.astype(float), side)
     sums = sum_cells(turned, side)
-    rough = roughness(main, sums, told, count)
-    return Cells(main, label, turned, sums, told, rough)
+    rough = roughness(main, sums, information, count)
+    return Cells(main, label, turned, sums, information, rough)
 
 
 def _middles(labels: Numbers, side: int) -> Numbers:
@@ -65,7 +65,7 @@ def _blocks(images: Array, side: int) -> Array:
     return images.reshape(*others, rows, side, columns, side)
 
 
-def turned_back(field: Field, depth: Array) -> Array:
+def turn_back(field: Field, depth: Array) -> Array:
     """Phasors (2, H, W) turned back by a depth (H, W), m."""
     phasors = field.real + 1j * field.imaginary
     wavenumber = field.wavenumber[:, None, None]
@@ -77,13 +77,13 @@ def sum_cells(images: Array, side: int = CELL) -> Array:
     return _blocks(images, side).sum(axis=(2, 4))
 
 
-def roughness(owner: Numbers, sums: Array, told: Array, count: int) -> Array:
+def roughness(owner: Numbers, sums: Array, information: Array, count: int) -> Array:
     """Variance (N,), rad^2, of pixels about their surface, by the coherence of each frequency.
 
     Unevenness s of a Gaussian costs one frequency exp(-s^2 / 2) and twice that frequency the fourth
     power of this. Pixels of other surfaces cost both alike: then there is none.
     """
-    total, most = pooled_phasors(owner, sums, told, count)
+    total, most = pooled_phasors(owner, sums, information, count)
     coherence = np.hypot(total.real, total.imag) / most
     low, high = np.clip(coherence, 0.05, 1)
     by_low = -2 * np.log(low)
@@ -94,10 +94,12 @@ def roughness(owner: Numbers, sums: Array, told: Array, count: int) -> Array:
     return np.where(alike | even, 0, found)
 
 
-def pooled_phasors(main: Numbers, phasors: Array, told: Array, count: int) -> Arrays:
+def pooled_phasors(
+    main: Numbers, phasors: Array, information: Array, count: int
+) -> Arrays:
     """Sums (2, N) of phasors over the cells of each surface, and their E."""
     total = sum_surfaces(main, phasors, count)[:, :count]
-    most = sum_surfaces(main, told, count)[:, :count]
+    most = sum_surfaces(main, information, count)[:, :count]
     return total, np.maximum(most, 1e-9)
 
 
@@ -138,13 +140,13 @@ def departure(field: Field, turned: Array, variance: Array) -> Array:
     along = gaussian_filter(turned[0].real, _NEAR)
     out = known / (1 + known) * np.arctan2(across, along)
     for _ in range(_TURNS):
-        low, high = turned_alike(field, turned, out).imag
+        low, high = turn_both_back(field, turned, out).imag
         pull = variance * (low + multiple * high) - out
         out += pull / (1 + known)
     return np.clip(out, -np.pi, np.pi)
 
 
-def turned_alike(field: Field, phasors: Array, departure: Array) -> Array:
+def turn_both_back(field: Field, phasors: Array, departure: Array) -> Array:
     """Phasors (2, ...) turned back by a phase (...), rad at the lower frequency, of both alike."""
     angle = np.multiply.outer((1, field.multiple), departure)
     return phasors * np.exp(-1j * angle)

@@ -53,7 +53,7 @@ def depth_of_pixels(
 
 
 @njit(inline="always")
-def possible(field, q, boxes):  # pragma: no cover - compiled
+def is_possible(field, q, boxes):  # pragma: no cover - compiled
     """Whether a surface lies before the camera and not far beyond the limits."""
     z = depth_at(field, q, boxes[0, 0], boxes[0, 2])
     farthest = field.limits[1]
@@ -61,7 +61,7 @@ def possible(field, q, boxes):  # pragma: no cover - compiled
 
 
 @njit()
-def moved(field, q, boxes, size, distance, down=0, right=0):  # pragma: no cover
+def move_surface(field, q, boxes, size, distance, down=0, right=0):  # pragma: no cover
     """Nearest surface to this one moved, by m and by wraps per pixel; their distance, m (rms)."""
     points = _every_third(boxes[:: max(1, len(boxes) // 100)])
     middle = (np.mean(boxes[:, :2]), np.mean(boxes[:, 2:]))

@@ -47,12 +47,12 @@ def windows(
 def _clearest(field: Field, free: Flags, corner: Numbers, side: int) -> Numbers:
     """Numbers of the windows on free cells with enough information, most of it first."""
     information = field.information.sum(axis=0, dtype=float)
-    told = _sums(information, corner, side)
+    totals = _sums(information, corner, side)
     cells = side // CELL
     open_cells = _sums(free.astype(float), corner // CELL, cells)
     least = FREE * cells**2
-    enough = (told >= _LEAST) & (open_cells >= least)
-    order = np.argsort(-told, kind="stable")
+    enough = (totals >= _LEAST) & (open_cells >= least)
+    order = np.argsort(-totals, kind="stable")
     return order[enough[order]]
 
 
@@ -239,8 +239,8 @@ def _climb_outwards(field, q, window):  # pragma: no cover - compiled
         there = core == side
         y = top + (side - core) // 2
         x = left + (side - core) // 2
-        told = np.sum(field.information[0, y : y + core, x : x + core])
-        if there or told > 100:
+        information = np.sum(field.information[0, y : y + core, x : x + core])
+        if there or information > 100:
             box = np.array([[y, y + core, x, x + core]])
             steps = 3 if there else 2
             fit = refine(field, region_of_boxes(box), q, PLANE, steps, np.int64(0))
