@@ -133,7 +133,7 @@ def atomic_output(path: AnyPath) -> Iterator[Path]:
 
     >>> import tempfile
     >>> target = Path(tempfile.mkdtemp()) / "a.txt"
-    >>> with written_whole(target) as part:
+    >>> with atomic_output(target) as part:
     ...     _ = part.write_text("whole")
     >>> target.read_text()
     'whole'

@@ -58,7 +58,7 @@ def _replace_unencodable(error: UnicodeError) -> tuple[str, int]:
 def escape_controls(text: object) -> str:
     r"""Text in which control characters, which would steer a terminal, are escaped.
 
-    >>> shown("a\x1b[31mb")
+    >>> escape_controls("a\x1b[31mb")
     'a\\x1b[31mb'
     """
     return "".join(

@@ -17,7 +17,7 @@ HIGHEST_FREQUENCY = 1e12
 def checked_values(kind: type[T], values: Any, source: object) -> T:
     """Values converted to a type and checked by pydantic; a ValueError names the first fault.
 
-    >>> checked(tuple[int, int], [1, "x"], "a.yml")
+    >>> checked_values(tuple[int, int], [1, "x"], "a.yml")
     Traceback (most recent call last):
     ...
     ValueError: Expected 1 in a.yml to be a valid integer, ..., got 'x'. Correct it.

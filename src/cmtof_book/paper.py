@@ -117,7 +117,7 @@ def result_text(score: Score, digits: int = 4) -> str:
 def estimate_text(one: OwnNumber, unit: str, digits: int) -> str:
     """A number with its interval, where it has one.
 
-    >>> estimate_text(Estimate(0.435, 0.345, 0.525), "fraction", 3)
+    >>> estimate_text(OwnNumber(0.435, 0.345, 0.525), "fraction", 3)
     '43.5 % (34.5–52.5 %)'
     """
     if one.low == one.high:

@@ -152,7 +152,7 @@ def test_claims_are_filled_with_numbers_of_the_build():
     numbers = claims.numbers_of(scores(found), records)
     asked = "{p[sec8.rf_plate@0 alone]}, {p[sec8.rf_plate@0]}, {p[sec8.rf_plate@1]}, "
     asked += "{p[sec1.contrast]}, {f[03_wraps/wraps_odds][law][1]:.0%}"
-    told = claims.filled(asked, numbers).replace("\N{NO-BREAK SPACE}", " ")
+    told = claims.fill_in(asked, numbers).replace("\N{NO-BREAK SPACE}", " ")
     assert told == "2 mm, 2 mm (1–3 mm), 4 mm, (not computed), 25 %"
 
 
