@@ -26,5 +26,4 @@ def group_index(
         # n + sigma dn/dsigma of strength / (pole - sigma^2)
         refractivity += strength * (pole + square) / (pole - square) ** 2
     thinner = pressure / STANDARD_PRESSURE
-    warmer = STANDARD_TEMPERATURE / temperature
-    return 1 + refractivity * thinner * warmer
+    return 1 + refractivity * thinner * (STANDARD_TEMPERATURE / temperature)

@@ -82,8 +82,11 @@ def checked_dataset(dataset: Dataset) -> Dataset:
     if "correlation" in data:
         for steps in data["psi"].to_numpy():
             check_psi(np.asarray(steps, float))
-    limits = {"range_min": 0.0, "range_max": unambiguous_range(frequencies)}
-    data.attrs = limits | data.attrs
+    data.attrs = {
+        "range_min": 0.0,
+        "range_max": unambiguous_range(frequencies),
+        **data.attrs,
+    }
     _check_range(data)
     return _with_valid_values(data)
 

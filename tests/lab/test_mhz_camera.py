@@ -25,8 +25,7 @@ def flat(distance=1.0, reflectance=0.5, cosine=1.0, shape=(24, 24), mirrored=0.0
 
 def bias(camera, view, field):
     """Range error (H, W), m, of images without noise."""
-    light = camera.light(view, field)
-    images = camera.differences(light)
+    images = camera.differences(camera.light(view, field))
     return camera.error(camera.depth(images)[0], view.range)
 
 

@@ -32,8 +32,7 @@ def looked_at(name):
 @mark.parametrize("name", objects.OBJECTS)
 def test_an_object_stands_before_a_wall_within_the_wraps_36_to_56(name):
     rays, hits = looked_at(name)
-    index = 1.0003  # of the air
-    low, high = WRAPS / index
+    low, high = WRAPS / 1.0003  # index of the air
     assert low < hits.range.min() < DISTANCE < hits.range.max() < high
     corners = hits.range * rays[..., 2]
     assert (corners[0, [0, -1]] > DISTANCE + 0.05).all()
@@ -47,8 +46,7 @@ def test_still_lifes_stand_on_a_table_and_differ():
     (first, view), (same, _), (other, _) = drawn
     assert np.array_equal(first.vertices, same.vertices)
     assert np.abs(first.vertices - other.vertices).max() > 0.01
-    rays = unit_rays(view)
-    hits = MeshTarget.from_mesh(first).look(rays)
+    hits = MeshTarget.from_mesh(first).look(unit_rays(view))
     low, high = WRAPS
     assert np.mean((low < hits.range) & (hits.range < high)) > 0.7
 

@@ -24,7 +24,7 @@ CPU = {"accelerator": "cpu", "devices": 1, "quiet": True}
 
 
 def unwrapping(config, init=None):
-    return Unwrapping(config, open_rooms(config, None, Path()), Path(), init)
+    return Unwrapping(config, open_rooms(config, Path), Path(), init)
 
 
 @mark.parametrize("name", PRESETS)

@@ -63,8 +63,7 @@ def test_beliefs_along_a_chain_are_those_of_all_combinations(monkeypatch, border
     joint = joint_odds(alone, borders)
     found = tied(alone, between(*borders))
     for n in range(3):
-        others = tuple({0, 1, 2} - {n})
-        share = joint.sum(axis=others) / joint.sum()
+        share = joint.sum(axis=tuple({0, 1, 2} - {n})) / joint.sum()
         assert found.wraps[n] == np.rint(alone.mean[n]) + share.argmax() - 4
         assert found.odds[n] == approx(share.max(), rel=1e-3)
 

@@ -287,9 +287,8 @@ def best_move(field: RandomField, labels: Numbers, step: int) -> Flags:
 
 def _steps(field: RandomField, labels: Numbers, axis: int) -> Numbers:
     """Steps between neighbouring labels beyond those of the phase, ``n_q - n_p - d_pq``."""
-    turns = np.diff(field.phase, axis=axis) / TAU
-    falls = np.rint(turns).astype(np.int64)
-    return np.diff(labels, axis=axis) + falls
+    falls = np.rint(np.diff(field.phase, axis=axis) / TAU)
+    return np.diff(labels, axis=axis) + falls.astype(np.int64)
 
 
 def minimum_cut(excess: Array, right: Array, down: Array) -> Flags:

@@ -41,19 +41,28 @@ def render(
     Example: [bold]cmtof render --scenes 20 --views 5 --seed 1 -o rooms[/bold]
     """
     with delay_interrupts():
-        from cmtof_rooms.rendering import Settings, render_rooms, shape_from_text
+        from cmtof_rooms.rendering import shape_from_text
 
     height, width = shape_from_text(rooms.pop("size"))
-    settings = Settings(height=height, width=width, **rooms)
-    with progress(settings.scenes, quiet) as advance:
-        done = render_rooms(
-            output, settings, workers=workers, progress=lambda one: advance(one.scene)
-        )
+    done = _render_set(output, quiet, workers, height=height, width=width, **rooms)
     rendered = sum(one.rendered for one in done)
     print(
-        f"{output}: {settings.scenes} rooms, {settings.views} views each; "
+        f"{output}: {rooms['scenes']} rooms, {rooms['views']} views each; "
         f"{rendered} views rendered"
     )
+
+
+def _render_set(
+    output: Path, quiet: bool, workers: int | None, **settings: Any
+) -> list:
+    """Render a set of rooms as far as it is not there, with a progress bar; report each room."""
+    from cmtof_rooms.rendering import Settings, render_rooms
+
+    chosen = Settings(**settings)
+    with progress(chosen.scenes, quiet) as advance:
+        return render_rooms(
+            output, chosen, workers=workers, progress=lambda one: advance(one.scene)
+        )
 
 
 def recipe(
@@ -99,16 +108,28 @@ def train(
 
     Example: [bold]cmtof train miniature -o runs/miniature[/bold]
     """
+    from cmtof.hypersim import Hypersim
     from cmtof.network.recipe import read_config
     from cmtof.network.training import train as train_network
 
     chosen = read_config(config, **recipe)
     folder = output or Path("runs") / f"{chosen.name}-{chosen.model}-{chosen.protocol}"
+    if data:
+        Hypersim(data)  # refused before anything is written
+
+    def find_tree() -> Path:
+        rooms = chosen.rooms
+        name = f"rooms_{rooms.seed}_{rooms.scenes}x{rooms.views}_{rooms.height}x{rooms.width}"
+        rendered = folder.parent / name
+        if not data:
+            _render_set(rendered, quiet, None, **rooms.model_dump())
+        return data or rendered
+
     written = train_network(
         chosen,
         folder,
         quiet=quiet or progress_is_hidden(),
-        tree=data,
+        find_tree=find_tree,
         devices=int(devices) if devices.isdigit() else devices,
         **leg,
     )

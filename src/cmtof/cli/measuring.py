@@ -108,8 +108,10 @@ def scan(
                 report=lambda line: advance(f"{line.mode}: {line.kind}"),
             )
     except (KeyboardInterrupt, SystemExit):
-        place = journal_path(output)
-        print(f"cmtof: stopped; {place} goes on with --resume", file=sys.stderr)
+        print(
+            f"cmtof: stopped; {journal_path(output)} goes on with --resume",
+            file=sys.stderr,
+        )
         raise
     print(f"{output}: {measurement}, {measurement.mask.mean():.1%} of pixels valid")
 

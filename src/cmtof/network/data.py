@@ -1,7 +1,7 @@
 """Training data: dead leaves and crops of rooms, measured on the fly (Sec. 5.3)."""
 
 import warnings
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from operator import itemgetter
 from pathlib import Path
@@ -209,20 +209,14 @@ def pack_views(views: Sequence[Source]) -> Pack:
     return Pack(np.stack(depths), np.stack(lights), np.array(far))
 
 
-def open_rooms(config: Config, tree: Path | None, folder: Path) -> Packs:
-    """Frames of a tree to train and to validate on, by default of rooms rendered into a folder.
+def open_rooms(config: Config, find_tree: Callable[[], Path]) -> Packs:
+    """Frames of a tree to train and to validate on; it is asked for if there are rooms.
 
     Without rooms none to train on, and leaves of a seed of their own.
     """
     if config.rooms is None:
         return None, _pack_of_leaves(config)
-    if tree is None:
-        from cmtof_rooms.rendering import Settings, render_rooms
-
-        rooms = Settings(**config.rooms.model_dump())
-        name = f"rooms_{rooms.seed}_{rooms.scenes}x{rooms.views}_{rooms.height}x{rooms.width}"
-        render_rooms(tree := folder / name, rooms)
-    scenes = Hypersim(tree)
+    scenes = Hypersim(find_tree())
     train, val = (
         pack_views(scenes.sources(scenes.split()[part])) for part in ("train", "val")
     )

@@ -201,8 +201,7 @@ def apply_last_layer(ready: LoadedNetwork, found: Single) -> Single:
     if len(session(ready).get_outputs()) == 1:
         return found
     weight = ready.weights["output.weight"][..., 0, 0]
-    bias = ready.weights["output.bias"]
-    return np.tensordot(weight, found, 1) + bias[:, None, None]
+    return np.tensordot(weight, found, 1) + ready.weights["output.bias"][:, None, None]
 
 
 def network_images(measurement: Measurement, kind: str) -> list[Single]:

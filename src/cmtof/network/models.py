@@ -171,8 +171,8 @@ class FastSCNN(Network):
         filters = torch.stack([alpha.cos(), -alpha.sin(), -moved.cos(), moved.sin()], 1)
         weight = self.stem[0].weight
         weight[: len(filters)] = 0
-        octaves = [14, 15, 4, 5]  # after two phases
-        weight[: len(filters), octaves, 1, 1] = LARGE * filters
+        # octaves, after two phases
+        weight[: len(filters), [14, 15, 4, 5], 1, 1] = LARGE * filters
 
     def _pass_beat_on(self, places: int) -> None:
         """Pass the sums over alpha and their differences through eight channels to the pyramid."""

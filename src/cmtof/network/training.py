@@ -6,7 +6,7 @@ import platform
 import time
 import warnings
 import zipfile
-from collections.abc import Iterator, Sequence
+from collections.abc import Callable, Iterator, Sequence
 from contextlib import nullcontext
 from copy import deepcopy
 from pathlib import Path
@@ -24,7 +24,6 @@ from torch.utils.data import DataLoader
 from cmtof import __version__
 from cmtof.files import atomic_output, exclusive_lock
 from cmtof.frame import read_error
-from cmtof.hypersim import Hypersim
 from cmtof.network import weights
 from cmtof.network.data import (
     Batch,
@@ -167,8 +166,11 @@ class Unwrapping(LightningModule):
         return [optimizer], [{"scheduler": schedule, "interval": "step"}]
 
     def on_save_checkpoint(self, checkpoint: Fields) -> None:
-        state = {"config": self.config.model_dump_json(), "curve": self.curve}
-        checkpoint["cmtof"] = state | {"seconds": time.monotonic() - self.began}
+        checkpoint["cmtof"] = {
+            "config": self.config.model_dump_json(),
+            "curve": self.curve,
+            "seconds": time.monotonic() - self.began,
+        }
 
     def on_load_checkpoint(self, checkpoint: Fields) -> None:
         self.curve = checkpoint["cmtof"]["curve"]
@@ -235,7 +237,7 @@ def train(
     config: Config,
     folder: Path,
     *,
-    tree: Path | None = None,
+    find_tree: Callable[[], Path] = Path,
     init: Path | None = None,
     resume: bool = False,
     minutes: float | None = None,
@@ -244,14 +246,12 @@ def train(
 ) -> Path | None:
     """Train, or go on training, and write the averaged weights with their card into a folder.
 
-    ``tree`` holds frames in Hypersim's layout (by default rooms are rendered), ``init`` are weights
-    to begin with, ``resume`` goes on from the folder's checkpoint, and a leg ends at the first
-    checkpoint after some ``minutes``; the ``flags`` are Lightning's: accelerator, devices,
-    num_nodes, strategy. Returned is the file of weights, or None while steps are left. Raises
-    ValueError if another process trains in the folder.
+    For rooms ``find_tree`` returns a folder in Hypersim's layout, by default the working folder; it
+    may render them first. ``init`` are weights to begin with, ``resume`` goes on from the folder's
+    checkpoint, and a leg ends at the first checkpoint after some ``minutes``; the ``flags`` are
+    Lightning's: accelerator, devices, num_nodes, strategy. Returned is the file of weights, or None
+    while steps are left. Raises ValueError if another process trains in the folder.
     """
-    if tree is not None:
-        Hypersim(tree)  # refused before anything is written
     folder.mkdir(parents=True, exist_ok=True)
     with (
         exclusive_lock(folder)
@@ -265,7 +265,7 @@ def train(
         keep_pages()
         logging.getLogger("lightning.pytorch").setLevel(logging.ERROR)
         warnings.filterwarnings("ignore", module="lightning.*")
-        module = Unwrapping(config, open_rooms(config, tree, folder.parent), last, init)
+        module = Unwrapping(config, open_rooms(config, find_tree), last, init)
         module.end = np.inf if minutes is None else module.began + 60 * minutes
         trainer = _trainer(config, enable_progress_bar=not quiet, **flags)
         try:

@@ -186,8 +186,7 @@ def offsets_with_contacts(
     step = np.append(borders.step, -borders.step)[:, None]
     step = step + base[source] - base[target]
     place = np.arange(_OFFSETS.size) - step
-    odds = np.tile(borders.odds, 2)
-    belief = _propagate(alone, source, target, place, odds)
+    belief = _propagate(alone, source, target, place, np.tile(borders.odds, 2))
     share = softmax(belief, axis=1)
     alike = Placement(base[:, 0].astype(float), np.zeros(0, int), share).moved_surfaces(
         share
@@ -271,8 +270,7 @@ def components(tied: Placement, borders: Borders, label: Numbers) -> Components:
     pixels = np.bincount(label[label >= 0], minlength=count)
     near = np.abs(tied.moves) <= _FAR
     share = pixels[:, None] * tied.share[:, near]
-    shape = (count, 2 * _FAR + 1)
-    odds = np.zeros(shape)
+    odds = np.zeros((count, 2 * _FAR + 1))
     np.add.at(odds, group, share)
     size = np.bincount(group, pixels, count)
     order = np.argsort(-size, kind="stable")

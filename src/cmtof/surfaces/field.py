@@ -44,8 +44,8 @@ class Field(NamedTuple):
     def side(self) -> int:
         """Side, px, of what tells by itself by how much it departs: a pixel if most are clear."""
         information = self.information.sum(axis=0)
-        clear = (information > ENOUGH).sum() > (information > 0).sum() / 2
-        return 1 if clear else CELL
+        clear = information > ENOUGH
+        return 1 if clear.sum() > (information > 0).sum() / 2 else CELL
 
     @property
     def ratio(self) -> float:

@@ -242,8 +242,8 @@ def _add_departures(field: Field, depth: Array, rough: Array) -> Array:
     variance = np.where(doubt_of_beats(field) < DOUBT, 0, rough)
     if not variance.any():
         return depth
-    off = departure(field, turn_back(field, depth), variance)
-    return depth + off / field.wavenumber[0]
+    phase = departure(field, turn_back(field, depth), variance)
+    return depth + phase / field.wavenumber[0]
 
 
 def _limits(field: Field, depth: Array, label: Numbers, count: int) -> Array:

@@ -116,8 +116,7 @@ def sum_nearby(images: Array, main: Numbers, radius: int) -> Array:
     height, width = main.shape
     side = 2 * radius + 1
     edges = [(radius, radius)] * 2
-    others = [(0, 0)] * (images.ndim - 2)
-    padded = np.pad(images, others + edges)
+    padded = np.pad(images, [(0, 0)] * (images.ndim - 2) + edges)
     owner = np.pad(main, radius, constant_values=-2)
     out = np.zeros_like(images)
     for y, x in np.ndindex(side, side):
