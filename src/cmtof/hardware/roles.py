@@ -24,6 +24,7 @@ class DeviceRole(Protocol):
 
     def identify(self) -> Texts:
         """Model and serial number as the device reports them."""
+        ...
 
     def safe_state(self) -> None:
         """Become safe; may be called at any time, and again."""
@@ -70,9 +71,11 @@ class RfRole(DeviceRole, Protocol):
 
     def status(self) -> RfStatus:
         """State of output, lock, phase table and trip."""
+        ...
 
     def lock(self) -> RfLock:
         """Lock, detuning and reflected power."""
+        ...
 
     def clear_trip(self) -> None:
         """Allow RF again after a trip."""
@@ -107,6 +110,7 @@ class ClockRole(DeviceRole, Protocol):
 
     def output_is_on(self, channel: int) -> bool:
         """Whether a channel puts out its sine."""
+        ...
 
 
 class MotorRole(DeviceRole, Protocol):
@@ -115,16 +119,19 @@ class MotorRole(DeviceRole, Protocol):
     @property
     def position(self) -> float:
         """Position from home, rad or m."""
+        ...
 
     @property
     def homed(self) -> bool:
         """Whether the home position is known."""
+        ...
 
     def home(self, *, waiting: Waiting = None) -> None:
         """Move to the home position, and wait; ``waiting`` is called meanwhile."""
 
     def move_to(self, position: float, *, waiting: Waiting = None) -> float:
         """Move to a position, rad or m, and wait; return the position read back."""
+        ...
 
 
 class PowerMeterRole(DeviceRole, Protocol):
@@ -133,6 +140,7 @@ class PowerMeterRole(DeviceRole, Protocol):
     @property
     def power(self) -> float:
         """Power, W."""
+        ...
 
     def set_up(
         self, *, wavelength: float, readings: int, waiting: Waiting = None
@@ -150,9 +158,11 @@ class ReadOutRole(DeviceRole, Protocol):
 
     def gain(self) -> tuple[float, float, float]:
         """Calibration of the inputs, in the order of `cmtof.hardware.reduction.Gain`."""
+        ...
 
     def line(self, dio: str) -> bool:
         """Level of a digital input line: True is high."""
+        ...
 
     def set_line(self, dio: str, high: bool) -> None:
         """Make a digital line an output, high or low."""
@@ -176,3 +186,4 @@ class ReadOutRole(DeviceRole, Protocol):
 
     def bursts(self, requests: Requests) -> Iterator[Counts]:
         """Counts of one burst per request, whose registers are written as it starts."""
+        ...

@@ -246,7 +246,7 @@ def room_crop(rng: np.random.Generator, pack: Pack, side: int, protocol: str) ->
         if draw[0] > 0.3:
             break
     _, *best = max(draws, key=itemgetter(0))
-    turn = rng.integers(4)
+    turn = int(rng.integers(4))
     mirror = 1 - 2 * rng.integers(2)
     depth, light = (np.rot90(image, turn)[:, ::mirror] for image in best)
     return depth, np.clip(light * np.exp(rng.uniform(-0.4, 0.4)), 0, 1)

@@ -38,12 +38,12 @@ class NormedConv(nn.Sequential):
     which spares passes over the image.
     """
 
-    def forward(self, x: Tensor) -> Tensor:
+    def forward(self, input: Tensor) -> Tensor:
         layer, norm, *more = self
         if norm.training or isinstance(norm, ImageNorm):
-            return super().forward(x)
+            return super().forward(input)
         scale, offset = scale_and_offset(norm)
-        x = layer._conv_forward(x, layer.weight * scale.view(-1, 1, 1, 1), offset)
+        x = layer._conv_forward(input, layer.weight * scale.view(-1, 1, 1, 1), offset)
         for function in more:
             x = function(x)
         return x
@@ -56,7 +56,14 @@ def scale_and_offset(norm: nn.Module) -> tuple[Tensor, Tensor]:
 
 
 def conv(
-    i: int, o: int, kernel=3, *, relu=True, norm=nn.BatchNorm2d, dilation=1, **more
+    i: int,
+    o: int,
+    kernel=3,
+    *,
+    relu=True,
+    norm: type = nn.BatchNorm2d,
+    dilation=1,
+    **more,
 ) -> NormedConv:
     """Convolution from i to o channels, norm, ReLU; ``more`` are options of `torch.nn.Conv2d`."""
     # one kernel for each channel
@@ -67,7 +74,9 @@ def conv(
     return NormedConv(layer, norm(o), *([nn.ReLU(inplace=True)] if relu else []))
 
 
-def separable(i: int, o: int, stride: int = 1, norm=nn.BatchNorm2d) -> nn.Sequential:
+def separable(
+    i: int, o: int, stride: int = 1, norm: type = nn.BatchNorm2d
+) -> nn.Sequential:
     """Depthwise separable convolution from i to o channels."""
     return nn.Sequential(
         conv(i, i, stride=stride, groups=i, norm=norm), conv(i, o, 1, norm=norm)
@@ -85,7 +94,13 @@ class Bottleneck(nn.Module):
     """Inverted residual of MobileNetV2: widen, convolve each channel, narrow, add."""
 
     def __init__(
-        self, i: int, o: int, stride=1, expansion=6, dilation=1, norm=nn.BatchNorm2d
+        self,
+        i: int,
+        o: int,
+        stride=1,
+        expansion=6,
+        dilation=1,
+        norm: type = nn.BatchNorm2d,
     ) -> None:
         super().__init__()
         wide = expansion * i

@@ -169,7 +169,7 @@ class FastSCNN(Network):
         moved = torch.cat([alpha + beta for beta in betas])
         alpha = alpha.repeat(len(betas))
         filters = torch.stack([alpha.cos(), -alpha.sin(), -moved.cos(), moved.sin()], 1)
-        weight = self.stem[0].weight
+        weight = self.stem.get_parameter("0.weight")
         weight[: len(filters)] = 0
         # octaves, after two phases
         weight[: len(filters), [14, 15, 4, 5], 1, 1] = LARGE * filters
@@ -179,15 +179,15 @@ class FastSCNN(Network):
         angles = self.stem_width // 2 // places
         sums = torch.eye(places).repeat_interleave(angles, 1) * (LARGE / (2 * angles))
         sums = torch.cat([sums, sums - sums.roll(1, 0)]).repeat(4 // places, 1)
-        enter, norm, _ = self.down[0]
-        enter.weight[:8] = 0
-        enter.weight[:8, : sums.shape[1]] = sums[..., None, None]
-        norm.bias[:8] = 2.0
+        weight = self.down.get_parameter("0.0.weight")
+        weight[:8] = 0
+        weight[:8, : sums.shape[1]] = sums[..., None, None]
+        self.down.get_parameter("0.1.bias")[:8] = 2.0
         # from there on each goes alone, averaged, two spreads above the ReLU's corner
         path = [*self.down[1], *self.pyramid.branches]
         for block in self.extract:
             if block.residual:
-                block.body[-1][1].weight.zero_()
+                block.get_parameter("body.2.1.weight").zero_()
             else:
                 path += block.body
         for kernel, norm, *relu in path:
