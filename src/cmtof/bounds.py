@@ -124,7 +124,7 @@ def phase_spread(linear_noise: float) -> float:
 
 
 def wrap_noise(
-    noise_low: ArrayLike, noise_high: ArrayLike, *, frequencies: Pair
+    noise_low: ArrayLike, noise_high: ArrayLike, *, frequencies: Array | Pair
 ) -> Array:
     r"""Standard deviation of the wrap count from one pixel's beat, wraps.
 
@@ -144,7 +144,7 @@ def wrap_noise(
 
 
 def wrap_probability(
-    noise_low: ArrayLike, noise_high: ArrayLike, *, frequencies: Pair
+    noise_low: ArrayLike, noise_high: ArrayLike, *, frequencies: Array | Pair
 ) -> Array:
     """Probability that one pixel's beat gives the right wrap, ``erf(1 / (2 sqrt2 sigma_n))``.
 

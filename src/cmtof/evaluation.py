@@ -149,7 +149,9 @@ def measure_frame(
     measurements = {(): simulate(frame, frame_number=number, **conditions)}
     for other in set(tones.values()) - {()}:
         found = simulate(
-            frame, frame_number=number, **conditions | {"frequencies": other}
+            frame,
+            frame_number=number,
+            **conditions | {"frequencies": other},
         )
         scored = (("y", "x"), found.mask & measurements[()].mask)
         measurements[other] = Measurement(found.dataset.assign(mask=scored))

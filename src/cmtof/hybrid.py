@@ -17,7 +17,7 @@ from cmtof.correlation import wrap_length
 from cmtof.estimate import Estimate, without_holes, wraps_in_range
 from cmtof.measurement import Measurement
 from cmtof.surfaces import surfaces
-from cmtof.types import Array, Numbers, Single
+from cmtof.types import Array, Numbers
 
 LEAST = -8.0  # log-probability below which the network's is clipped
 
@@ -42,7 +42,7 @@ def hybrid(measurement: Measurement, *, weights: Path | None = None) -> Estimate
 
 
 def means_of_surfaces(
-    odds: Single, turns: Array, label: Numbers, offsets: Numbers
+    odds: Array, turns: Array, label: Numbers, offsets: Numbers
 ) -> Array:
     """Mean log-odds (N, M) of N surfaces at their M offsets (N, M), wraps; 0 without pixels.
 

@@ -51,7 +51,7 @@ class Scene(NamedTuple):
 
     def right(self, label: str) -> float:
         """Share of the scored pixels in the right wrap."""
-        return np.mean(self.error(label)[self.measurement.mask] < 1)
+        return float(np.mean(self.error(label)[self.measurement.mask] < 1))
 
 
 def comparison_figure(scene: Scene, labels: Sequence[str]) -> Figure:

@@ -98,8 +98,11 @@ def check_coverage(method: str, seen: Iterable[Measurement]) -> Fields:
     counts = pd.DataFrame(counts_of(seen, method=method))
     counts["right"] = counts["below"].str[0]
     shares = counts[["right", *COVERAGE]].div(counts["pixels"], axis=0)
-    found = {"means": shares.mean().to_dict(), "errors": shares.sem().to_dict()}
-    return {"rooms": len(shares)} | found
+    return {
+        "rooms": len(shares),
+        "means": shares.mean().to_dict(),
+        "errors": shares.sem().to_dict(),
+    }
 
 
 def main() -> None:

@@ -26,7 +26,7 @@ from cmtof.frame import Frame
 from cmtof.measurement import Measurement
 from cmtof.network.weights import read_card, weights_path
 from cmtof.simulation import QUADRATURES, RELEASED_WRAPS
-from cmtof.types import Array
+from cmtof.types import Array, Numbers
 from cmtof_book import RESULTS, Values
 from cmtof_book.provenance import read_json, write_json
 from cmtof_lab.objects import FIELD_OF_VIEW, TRAINING, still_life
@@ -195,7 +195,7 @@ def kept_scan(name: str, noise: Noise, seed: int = 0) -> Measurement:
     )
 
 
-def example(number: int, group: int = 0) -> tuple[Measurement, Array, Array]:
+def example(number: int, group: int = 0) -> tuple[Measurement, Numbers, Array]:
     """Scan of a still life, its wraps by stereo, -1 where unknown, and its depth, m."""
     scan = load_or_make(
         f"still_{group}_{number}", partial(labelled_scan, number, group)

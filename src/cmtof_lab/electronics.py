@@ -97,7 +97,7 @@ def root_of(covariance: Array) -> Array:
 def counts_from_volts(volts: ArrayLike, noise: ArrayLike = 0.0) -> Counts:
     """Raw stream counts of the T7, rounded and clipped; its ``noise`` is in counts."""
     raw = np.divide(volts, SLOPE) + CENTRE
-    rounded = np.rint(raw + noise)
+    rounded = np.rint(np.add(raw, noise))
     return np.clip(rounded, 0, 65535).astype(np.uint16)
 
 

@@ -263,8 +263,10 @@ class SimulatedInstrument:
         made = []
         for number, one in enumerate((panel.emission, panel.detection)):
             table = one.table if len(one.table) else np.array([one.phase])
-            phase = self.made_phase(number, table[edges % len(table)])
-            phase = phase + number * settings.phase_offset
+            phase = (
+                self.made_phase(number, table[edges % len(table)])
+                + number * settings.phase_offset
+            )
             size = amplitude(settings, one.power, one.frequency) if one.on else 0.0
             made.append(size * np.exp(-1j * phase))
         leak = settings.leakage * np.exp(-1j * settings.leakage_phase)

@@ -59,7 +59,7 @@ class TwinSettings:
     reflected_extinction: Extinction = 100.0  # its other port (known, 20 to 100)
     # RF drivers and resonance (Sec. 7.3)
     # rad, retardance of one pass, as stated (assumed)
-    eta: float = Field(np.pi / 4, ge=0, le=3)
+    eta: float = Field(default=np.pi / 4, ge=0, le=3)
     drive_power: float = 30.0  # dBm (assumed)
     detuning: float = 5e6  # Hz
     resonance: PositiveFloat = (

@@ -82,7 +82,10 @@ class FrameTarget:
         self._cosine = _cosines(planar, rays)
         middles = [np.arange(size) + 0.5 for size in planar.shape]
         self._smooth = RegularGridInterpolator(
-            middles, self._inverse, bounds_error=False, fill_value=None
+            middles,
+            self._inverse,
+            bounds_error=False,
+            fill_value=None,
         )
         corners = sliding_window_view(self._inverse, (2, 2))
         smallest = corners.min(axis=(2, 3))

@@ -29,7 +29,7 @@ _HALVES = [[0, 1, 2], [0, 2, 3]]
 _BOX_FACES = np.array(_SIDES)[:, _HALVES].reshape(12, 3)
 
 
-def mesh_from(vertices: Array, faces: Numbers) -> Trimesh:
+def mesh_from(vertices: Array, faces: ArrayLike) -> Trimesh:
     """Mesh of vertices (V, 3), m, and triangles (F, 3), which stay as they are."""
     return Trimesh(vertices, faces, process=False)
 

@@ -6,7 +6,7 @@ the wrap of one pixel; averages do better.
 """
 
 from collections.abc import Callable
-from typing import Any, NamedTuple
+from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
@@ -125,7 +125,7 @@ def guides(measurement: Measurement) -> Array:
     return np.stack([bright, coherence, *slopes])
 
 
-def quotient(above: NDArray[Any], below: Array) -> NDArray[Any]:
+def quotient(above: NDArray, below: Array) -> NDArray:
     """Quotient ``above / below`` of images of one shape; zero where ``below`` is not positive."""
     return np.divide(above, below, out=np.zeros_like(above), where=below > 0)
 
@@ -143,7 +143,7 @@ def guided_filter(
     """Complex values (H, W) after a guided filter with guides (G, H, W) and weights > 0 (H, W)."""
     total = uniform_filter(weight, window)
 
-    def mean(image: NDArray[Any]) -> NDArray[Any]:
+    def mean(image: NDArray) -> NDArray:
         return uniform_filter(weight * image, window) / total
 
     mean_guide = np.stack([mean(one) for one in guide])
@@ -186,7 +186,7 @@ def beat_depth(phase: Array, measurement: Measurement) -> Array:
 
 
 def _estimate_from_mean(
-    mean: Complex, size: Array, window: int, measurement: Measurement
+    mean: NDArray, size: Array, window: int, measurement: Measurement
 ) -> Estimate:
     """Estimate from an averaged beat phasor; its confidence allows for noise and sloping depth."""
     low, high = measurement.frequencies[:2]
@@ -202,7 +202,7 @@ def _estimate_from_mean(
     return Estimate(depth, rounding_odds(noise))
 
 
-def noise_of_mean(mean: Complex, power: Array, count: Array | int) -> Array:
+def noise_of_mean(mean: NDArray, power: Array, count: Array | int) -> Array:
     """Standard deviation, rad, of the phase of a mean phasor; infinite of fewer than two.
 
     ``mean`` and ``power`` are the means of ``count`` phasors and of their squared magnitudes.

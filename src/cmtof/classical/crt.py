@@ -120,8 +120,7 @@ def _misfit_noise(
     """
     noise = phase_noise(measurement)
     # infinite where nothing was measured: there every wrap is as likely
-    spread = np.hypot(noise[1], ratio * noise[0])
-    spread = spread.clip(_FINEST, 1e9)
+    spread = np.hypot(noise[1], ratio * noise[0]).clip(_FINEST, 1e9)
     typical = np.median(np.abs(residual[measurement.mask]))
     if "correlation" not in measurement.dataset and typical < gap / 8:
         return np.where(spread < 1e9, max(1.5 * typical, _FINEST), spread)

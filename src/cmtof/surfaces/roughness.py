@@ -7,6 +7,7 @@ where pixels are turned back by their own departure, and a pixel has the wrap of
 from typing import NamedTuple
 
 import numpy as np
+from numpy.typing import NDArray
 from scipy.ndimage import gaussian_filter
 
 from cmtof.surfaces.field import CELL, Field, pixels_of_cells
@@ -57,7 +58,7 @@ def _middles(labels: Numbers, side: int) -> Numbers:
     return four.max(axis=(1, 3)).astype(int)
 
 
-def _blocks(images: Array, side: int) -> Array:
+def _blocks(images: NDArray, side: int) -> NDArray:
     """Images (..., H, W) as the pixels of their cells (..., h, side, w, side)."""
     *others, height, width = images.shape
     rows = height // side
@@ -65,7 +66,7 @@ def _blocks(images: Array, side: int) -> Array:
     return images.reshape(*others, rows, side, columns, side)
 
 
-def turn_back(field: Field, depth: Array) -> Array:
+def turn_back(field: Field, depth: Array) -> NDArray:
     """Phasors (2, H, W) turned back by a depth (H, W), m."""
     phasors = field.real + 1j * field.imaginary
     wavenumber = field.wavenumber[:, None, None]
@@ -103,10 +104,9 @@ def pooled_phasors(
     return total, np.maximum(most, 1e-9)
 
 
-def sum_surfaces(main: Numbers, images: Array, count: int) -> Array:
+def sum_surfaces(main: Numbers, images: NDArray, count: int) -> Array:
     """Sums (..., N + 1) of images (..., h, w) over the cells of each surface, then of none."""
-    shape = (*images.shape[:-2], count + 1)
-    out = np.zeros(shape, np.result_type(images, float))
+    out = np.zeros((*images.shape[:-2], count + 1), np.result_type(images, float))
     np.add.at(out, (..., main), images)
     return out
 
