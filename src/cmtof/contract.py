@@ -186,7 +186,7 @@ def _with_valid_values(data: Dataset) -> Dataset:
             floats = variable.to_numpy().astype(
                 np.result_type(variable.dtype, np.float32), copy=False
             )
-            samples = _mask_samples(floats, valid, simulated)
+            samples = _mask_samples(floats, valid, simulated)  # pyright: ignore[reportArgumentType]
             if name != "amplitude":
                 _raise_if_any(
                     ~np.isfinite(samples) & valid,

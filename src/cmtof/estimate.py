@@ -77,9 +77,9 @@ def within_range(depth: Array, measurement: Measurement) -> Array:
 def nearest_pixel(wanted: Flags) -> tuple[Numbers, Numbers]:
     """Row and column (H, W) of the nearest wanted pixel; a pixel's own if none is wanted."""
     if not wanted.any():
-        return tuple(np.indices(wanted.shape))
+        return tuple(np.indices(wanted.shape))  # pyright: ignore[reportReturnType]
     return tuple(
-        distance_transform_edt(~wanted, return_distances=False, return_indices=True)
+        distance_transform_edt(~wanted, return_distances=False, return_indices=True)  # pyright: ignore[reportArgumentType]
     )
 
 

@@ -133,7 +133,7 @@ def score(frames: Mapping[str, NDArray] | Iterable[Mapping[str, NDArray]]) -> Va
     """Rates and depth errors, m, over the `scored_pixels` of one or more frames."""
     tally = Tally()
     for pixels in [frames] if isinstance(frames, Mapping) else frames:
-        tally.add(pixels)
+        tally.add(pixels)  # pyright: ignore[reportArgumentType]
     return tally.score()
 
 
@@ -151,13 +151,13 @@ def measure_frame(
         found = simulate(
             frame,
             frame_number=number,
-            **conditions | {"frequencies": other},
+            **conditions | {"frequencies": other},  # pyright: ignore[reportArgumentType]
         )
         scored = (("y", "x"), found.mask & measurements[()].mask)
-        measurements[other] = Measurement(found.dataset.assign(mask=scored))
+        measurements[other] = Measurement(found.dataset.assign(mask=scored))  # pyright: ignore[reportArgumentType]
     for measurement in measurements.values():
         _ = measurement.decoded  # shared, so that it counts in no method's time
-    return {name: measurements[tones[name]] for name in tones}
+    return {name: measurements[tones[name]] for name in tones}  # pyright: ignore[reportArgumentType]
 
 
 class Evaluation:

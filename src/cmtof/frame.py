@@ -69,7 +69,7 @@ class Frame:
         if self.note:
             arrays["note"] = np.array(self.note)
         with atomic_output(path) as part:
-            np.savez_compressed(part, **arrays)
+            np.savez_compressed(part, **arrays)  # pyright: ignore[reportArgumentType]
 
     def middle(self, height: int, width: int) -> "Frame":
         """Central part of the frame, at most that large, px; the camera is shifted with it."""
@@ -175,7 +175,7 @@ def frame_from_npz(path: Path, camera: ArrayLike | None = None) -> Frame:
             f"got {', '.join(sorted(arrays)) or 'none'}. Add them."
         )
     stored = arrays.get("camera") if camera is None else camera
-    frame = Frame(arrays["depth"], arrays["intensity"], stored, path.stem)
+    frame = Frame(arrays["depth"], arrays["intensity"], stored, path.stem)  # pyright: ignore[reportArgumentType]
     notes = [str(arrays.get("note", "")), frame.note, light_note(frame.intensity)]
     vars(frame)["note"] = "; ".join(filter(None, notes))
     return frame

@@ -47,8 +47,8 @@ def hardness(depth: ArrayLike) -> Hardness:
         slopes.append(change[np.isfinite(change) & ~is_jump] / wrap)
         # of the two pixels that a bend marks, the step lies between them
         jumps.append(change[is_jump & (change > BEND)] / wrap)
-    surfaces, _ = ndimage.label(~ends)
+    surfaces, _ = ndimage.label(~ends)  # pyright: ignore[reportGeneralTypeIssues]
     pixels = np.bincount(surfaces.ravel()).astype(float)
     pixels[0] = 1  # a pixel on an edge stands alone
-    sizes = pixels[surfaces][np.isfinite(depth)]
+    sizes = pixels[surfaces][np.isfinite(depth)]  # pyright: ignore[reportArgumentType, reportCallIssue]
     return Hardness(np.concatenate(slopes), np.concatenate(jumps), sizes)

@@ -57,7 +57,7 @@ def frame_from_pair(
     light, note = resample(image, distance.shape)
     light = brightness_of(light, linear)
     text = "; ".join(filter(None, [*notes, note, light_note(light)]))
-    return Frame(distance, light, camera, depth.stem, text)
+    return Frame(distance, light, camera, depth.stem, text)  # pyright: ignore[reportArgumentType]
 
 
 def read_image(path: Path) -> NDArray:

@@ -225,7 +225,7 @@ def _valid_pixels(
         parts.append(np.nan_to_num(numbers(np.ma.filled(mask, 0), "mask")) != 0)
     for image in images.values():
         if np.ma.is_masked(image):
-            hidden = np.ma.getmaskarray(image)
+            hidden = np.ma.getmaskarray(image)  # pyright: ignore[reportArgumentType, reportCallIssue]
             parts.append(~hidden.any(axis=tuple(range(hidden.ndim - 2))))
     return np.logical_and.reduce(parts).astype(np.int8) if parts else None
 

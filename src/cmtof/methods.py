@@ -71,7 +71,7 @@ class Method:
                 images[:, *place] = np.stack(self.run(seen, **options)[:2])[
                     :, *inner.values()
                 ]
-            found = Estimate(*images)
+            found = Estimate(*images)  # pyright: ignore[reportArgumentType]
         repeats = beat_repeats(measurement) if self.one_beat else 1
         return found._replace(confidence=found.confidence / repeats)
 

@@ -64,7 +64,7 @@ def write_ply(
     grey = _grey(np.asarray(brightness, float)[kept])
     columns |= dict.fromkeys(("red", "green", "blue"), grey)
     columns["confidence"] = np.asarray(confidence, "<f4")[kept]
-    vertices = np.rec.fromarrays(list(columns.values()), names=list(columns))
+    vertices = np.rec.fromarrays(list(columns.values()), names=list(columns))  # pyright: ignore[reportArgumentType]
     with atomic_output(path) as part:
         part.write_bytes(_ply_header(vertices).encode("ascii") + vertices.tobytes())
     return vertices.size

@@ -124,7 +124,7 @@ def staged_depth(
     if protocol == "released":
         step = float(wrap_length(frequencies[0]))
         limits = (RELEASED_WRAPS[0] * step, RELEASED_WRAPS[1] * step)
-        depth = depth * released_scale(np.percentile(depth[known], 99.9))
+        depth = depth * released_scale(np.percentile(depth[known], 99.9))  # pyright: ignore[reportArgumentType]
     elif protocol == "full":
         limits = (0.0, unambiguous_range(frequencies))
     else:

@@ -70,8 +70,8 @@ def open_netcdf(path: AnyPath) -> Iterator[Dataset]:
         sys.unraisablehook = hook
     if reason:
         raise reason
-    with handle:
-        yield _with_dimension_names(handle)
+    with handle:  # pyright: ignore[reportGeneralTypeIssues, reportPossiblyUnboundVariable]
+        yield _with_dimension_names(handle)  # pyright: ignore[reportPossiblyUnboundVariable]
 
 
 def _open_handle(path: Path) -> Dataset:

@@ -33,9 +33,9 @@ class Scene(NamedTuple):
     measurement: Measurement
     answers: dict[str, xr.Dataset]
 
-    def count(self, label: str = "") -> Array:
+    def count(self, label: str = "") -> Array:  # pyright: ignore[reportIncompatibleMethodOverride]
         """Wraps (H, W) by one method or of the true depth, NaN where not scored."""
-        depth = np.nan_to_num(self.measurement.depth).astype(float)
+        depth = np.nan_to_num(self.measurement.depth).astype(float)  # pyright: ignore[reportArgumentType, reportCallIssue]
         truth = wrap_count_from_depth(depth, self.measurement.frequencies[0])
         found = self.answers[label]["wrap_count"] if label else truth
         return np.where(self.measurement.mask, found, np.nan)

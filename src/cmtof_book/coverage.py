@@ -101,7 +101,7 @@ def check_coverage(method: str, seen: Iterable[Measurement]) -> Fields:
     return {
         "rooms": len(shares),
         "means": shares.mean().to_dict(),
-        "errors": shares.sem().to_dict(),
+        "errors": shares.sem().to_dict(),  # pyright: ignore[reportAttributeAccessIssue]
     }
 
 

@@ -33,7 +33,7 @@ def graph_of(network: Network) -> bytes:
     last = getattr(network, "output", None)
     if last and last.out_channels > last.in_channels:
         answers = ["before_output", "weight", "bias"]
-        network.forward = lambda x: (network.before_output(x), last.weight, last.bias)
+        network.forward = lambda x: (network.before_output(x), last.weight, last.bias)  # pyright: ignore[reportAttributeAccessIssue]
     for weight in network.state_dict().values():
         if weight.is_floating_point():
             weight.uniform_()  # equal ones would become one
@@ -42,14 +42,14 @@ def graph_of(network: Network) -> bytes:
         torch.onnx.export(
             network.eval(),
             (torch.zeros(1, network.inputs, 64, 64),),
-            written,
+            written,  # pyright: ignore[reportArgumentType]
             dynamo=False,
             opset_version=OPSET,
             do_constant_folding=False,
             training=torch.onnx.TrainingMode.PRESERVE,  # or names of weights would be lost
             input_names=[kind],
             output_names=answers,
-            dynamic_axes={kind: {2: "rows", 3: "columns"}, answers[0]: [1, 2, 3]},
+            dynamic_axes={kind: {2: "rows", 3: "columns"}, answers[0]: [1, 2, 3]},  # pyright: ignore[reportArgumentType]
         )
     model = onnx.load_from_string(written.getvalue())
     for weight in model.graph.initializer:  # handed over when the network is made ready

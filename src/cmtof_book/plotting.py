@@ -103,7 +103,7 @@ def grid(count: int, columns: int, aspect: float) -> tuple[Figure, list[Axes]]:
 
 def colour_bar(drawn: AxesImage, *, label: str, **where: Any) -> None:
     """A colour bar, for a turn with ticks in π."""
-    bar = drawn.get_figure(root=True).colorbar(drawn, label=label, **where)
+    bar = drawn.get_figure(root=True).colorbar(drawn, label=label, **where)  # pyright: ignore[reportOptionalMemberAccess]
     if drawn.get_clim() == TURN:
         bar.set_ticks([0, np.pi, 2 * np.pi], labels=["0", "π", "2π"])
 
@@ -125,7 +125,7 @@ def mark(
         ax.axvline(x, **style)
         ax.annotate(text, (x, 0), xycoords=ax.get_xaxis_transform(), **note)
     else:
-        ax.axhline(y, **style)
+        ax.axhline(y, **style)  # pyright: ignore[reportArgumentType]
         ax.annotate(text, (0, y), xycoords=ax.get_yaxis_transform(), **note)
 
 
@@ -205,16 +205,16 @@ def points(fig: Figure) -> Iterator[tuple[int, str, float, float]]:
         for band in ax.findobj(PolyCollection):
             drawn += [(band, path.vertices) for path in band.get_paths()]
         for artist, found in drawn:
-            if len(found) <= 10_000:
+            if len(found) <= 10_000:  # pyright: ignore[reportArgumentType]
                 name = str(artist.get_label()).lstrip("_")
-                yield from ((panel, name, *xy) for xy in np.round(found, 9))
+                yield from ((panel, name, *xy) for xy in np.round(found, 9))  # pyright: ignore[reportArgumentType, reportCallIssue]
 
 
 def smallest_text(fig: Figure) -> float:
     """Size of the smallest text of a figure on a page, px; indices and powers have 0.7 of it."""
     fig.draw_without_rendering()  # or numbers at the axes would be no texts yet
     sizes = [
-        text.get_fontsize() * 0.7 ** bool(re.search(r"\$.*[\^_]", text.get_text()))
+        text.get_fontsize() * 0.7 ** bool(re.search(r"\$.*[\^_]", text.get_text()))  # pyright: ignore[reportOperatorIssue]
         for text in fig.findobj(Text)
         if text.get_text().strip()
     ]
@@ -225,7 +225,7 @@ def _save_space(path: Path) -> None:
     """Keep 256 colours of a picture if that changes them by less than 1 % on average."""
     drawn = Image.open(path).convert("RGB")
     few = drawn.quantize(256, kmeans=1, dither=Image.Dither.NONE)
-    lost = np.subtract(few.convert("RGB"), drawn, dtype=float)
+    lost = np.subtract(few.convert("RGB"), drawn, dtype=float)  # pyright: ignore[reportArgumentType, reportCallIssue]
     kept = few if np.abs(lost).max(-1).mean() < 2.55 else drawn
     kept.save(path, "PNG", optimize=True)
 

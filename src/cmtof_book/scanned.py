@@ -200,7 +200,7 @@ def example(number: int, group: int = 0) -> tuple[Measurement, Numbers, Array]:
     scan = load_or_make(
         f"still_{group}_{number}", partial(labelled_scan, number, group)
     )
-    return scan, *(scan.dataset[key].to_numpy() for key in ("wraps", "labels"))
+    return scan, *(scan.dataset[key].to_numpy() for key in ("wraps", "labels"))  # pyright: ignore[reportReturnType]
 
 
 def labelled_scan(number: int, group: int) -> Measurement:
@@ -209,7 +209,7 @@ def labelled_scan(number: int, group: int) -> Measurement:
 
     rng = np.random.default_rng([number, group])
     things = rng.permutation((LEARNT, HELD_OUT)[group])
-    mesh, view = still_life(things[: 1 + number % 3], rng)
+    mesh, view = still_life(things[: 1 + number % 3], rng)  # pyright: ignore[reportArgumentType]
     target = MeshTarget.from_mesh(mesh)
     seed = 1000 + 5000 * group + number
     scan = scan_target(target, "captures", field_of_view=view, seed=seed)

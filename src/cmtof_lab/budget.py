@@ -70,7 +70,7 @@ def phase_terms(target: Plane, mode: str) -> Values:
         "I/Q imbalance": REAL.iq_imbalance / np.sqrt(8) * (mode == "single"),
         "back-reflection": back_ratio(REAL, target) / np.sqrt(2),
     }
-    return {
+    return {  # pyright: ignore[reportReturnType]
         name: depth_from_phase(one, FREQUENCY[mode]) for name, one in phases.items()
     }
 
@@ -108,7 +108,7 @@ def drift_spread(times: ArrayLike, reference: ArrayLike) -> float:
 def back_ratio(settings: TwinSettings, target: Plane) -> float:
     """Power of the coaxial back-reflection over that of the target."""
     hits = RayEnds(target.distance, 1.0, target.reflectance, target.mirrored)
-    return settings.back_fraction / sum(returned_fractions(settings, hits))
+    return settings.back_fraction / sum(returned_fractions(settings, hits))  # pyright: ignore[reportReturnType]
 
 
 def ideal_but_for(*names: str) -> TwinSettings:

@@ -44,12 +44,12 @@ class Chain:
         matrix = np.diag(-rates) + np.diag(rates[1:], -1)
         push = rates[:1] * np.eye(POLES)[:, :1]
         system = matrix, push, np.eye(POLES), np.zeros((POLES, 1))
-        transition, entry = cont2discrete(system, interval)[:2]
+        transition, entry = cont2discrete(system, interval)[:2]  # pyright: ignore[reportIndexIssue]
         # covariance under a one-sided density of 1 for ever, two-sided 1/2
         settled = solve_continuous_lyapunov(matrix, -0.5 * push @ push.T)
-        added = settled - transition @ settled @ transition.T
+        added = settled - transition @ settled @ transition.T  # pyright: ignore[reportAttributeAccessIssue]
         self.transition = np.tril(transition)
-        self.entry = entry[:, 0]
+        self.entry = entry[:, 0]  # pyright: ignore[reportArgumentType, reportCallIssue, reportIndexIssue]
         self.root = root_of(added)
         self.settled = root_of(settled)
 

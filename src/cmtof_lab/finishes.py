@@ -31,8 +31,8 @@ def bump(off: Array, width: float) -> Array:
 
 def mix(dark: ArrayLike, pale: float, share: ArrayLike) -> Array:
     """Reflectance between two others, by the share of the second, clipped to 0 and 1."""
-    step = pale - dark
-    return dark + step * clip(share, 0, 1)
+    step = pale - dark  # pyright: ignore[reportOperatorIssue]
+    return dark + step * clip(share, 0, 1)  # pyright: ignore[reportOperatorIssue, reportReturnType]
 
 
 def relief(name: str, x: Array, y: Array, z: Array) -> Array:

@@ -287,7 +287,7 @@ class SimulatedInstrument:
                 _harmonics(replace(module, eta=eta), HARMONICS) for eta in size.tolist()
             ]
             found.append(waves)
-        return turns * found
+        return turns * found  # pyright: ignore[reportReturnType]
 
     def made_phase(self, module: int, phase: Array) -> Array:
         """Phase, rad, that driver 0 or 1 really makes of one that was set."""

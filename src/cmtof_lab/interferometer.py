@@ -103,13 +103,13 @@ class Interferometer(Ranger):
         if not target.mirrored:
             inverse = (np.pi * spot_radius(settings, z) / (vacuum * z)) ** 2
             area = aperture_area(settings)
-            return min(1.0, TAU / (area * (inverse + self.reference_radius**-2)))
+            return min(1.0, TAU / (area * (inverse + self.reference_radius**-2)))  # pyright: ignore[reportReturnType]
         width = spot_radius(settings, 2 * z)
         real = self.reference_radius**-2 + width**-2
         # Curvature of the wavefront
         turned = np.pi * settings.divergence / (width * vacuum)
         areas = (self.reference_radius * width) ** 2
-        return 4 / areas / (real**2 + turned**2)
+        return 4 / areas / (real**2 + turned**2)  # pyright: ignore[reportReturnType]
 
     def fringes(self, target: Plane, ranges: ArrayLike) -> Fringes:
         """Interferogram at ranges (...), m."""
@@ -161,7 +161,7 @@ class Interferometer(Ranger):
         """True travel, m, at each reading: stage, shaking, and the drift of temperature."""
         reached = stops + self.stage_error * rng.standard_normal(stops.size)
         way = _along(stations, reached - reached[0])
-        shaken = _first_order_process(circular_normals(rng, way.size), self.decay).real
+        shaken = _first_order_process(circular_normals(rng, way.size), self.decay).real  # pyright: ignore[reportAttributeAccessIssue]
         forgotten = -self.reading_time / self.drift_time
         slow = _first_order_process(rng.standard_normal(way.size), forgotten)
         warmth = (self.expansion + AIR_PER_KELVIN) * self.temperature_drift
@@ -206,4 +206,4 @@ def _first_order_process(normals: NDArray, exponent: complex) -> NDArray:
     keep = np.exp(exponent)
     fresh = np.sqrt(1 - abs(keep) ** 2) * normals
     fresh[:1] = normals[:1]
-    return lfilter([1.0], [1.0, -keep], fresh)
+    return lfilter([1.0], [1.0, -keep], fresh)  # pyright: ignore[reportReturnType]

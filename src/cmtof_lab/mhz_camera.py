@@ -85,7 +85,7 @@ class MhzCamera:
     @property
     def wrap(self) -> float:
         """Range after which answers repeat, m."""
-        return wrap_length(self.frequency)
+        return wrap_length(self.frequency)  # pyright: ignore[reportReturnType]
 
     def signal(self, view: RayEnds) -> Array:
         """Charge of one step in both taps by the direct way, electrons, (H, W) (law in chapter 20).
@@ -141,7 +141,7 @@ class MhzCamera:
     def differences(self, light: Light) -> Array:
         """Mean of A - B in each step, electrons, (4, H, W)."""
         turned = np.multiply.outer(np.exp(-1j * PSI), light[0])
-        return self.modulation * turned.real
+        return self.modulation * turned.real  # pyright: ignore[reportAttributeAccessIssue]
 
     def capture(self, light: Light, *, rng: Generator) -> Array:
         """Difference images (4, H, W), electrons: Skellam and read noise, rounded.

@@ -172,7 +172,7 @@ def _finish(
         "mirrored": np.full(len(points), mirrored, float),
     }
     moved = Rotation.from_euler("z", turn).apply(points) + at
-    return Trimesh(moved, shape.faces, process=False, vertex_attributes=held)
+    return Trimesh(moved, shape.faces, process=False, vertex_attributes=held)  # pyright: ignore[reportArgumentType]
 
 
 def _body(stated: Fields) -> Trimesh:
@@ -210,7 +210,7 @@ SHAPES = {
     "ellipsoid": _ellipsoid,
     "box": lambda stated: _box(stated["box"]),
     "sphere": lambda stated: icosphere(6, stated["sphere"]),
-    "torus": lambda stated: torus(*stated["torus"], 160, 96, UPRIGHT),
+    "torus": lambda stated: torus(*stated["torus"], 160, 96, UPRIGHT),  # pyright: ignore[reportCallIssue]
     "rod": _rod,
 }
 

@@ -24,7 +24,7 @@ SPECULAR_DIFFUSE = 0.02
 # degree 5 (Stroud, Approximate Calculation of Multiple Integrals, 1971, E_2^{r^2}: 5-1)
 _HEXAGON = np.arange(6) * np.pi / 3
 _RING = np.stack([np.cos(_HEXAGON), np.sin(_HEXAGON)], -1)
-_SPOT = np.append([[0.0, 0.0]], _RING, axis=0)
+_SPOT = np.append([[0.0, 0.0]], _RING, axis=0)  # pyright: ignore[reportArgumentType, reportCallIssue]
 _WEIGHTS = np.array([1 / 2] + 6 * [1 / 12])
 
 
@@ -116,13 +116,13 @@ def uniform_from_places(seed: int, places: ArrayLike, count: int) -> Array:
     """Uniform numbers (N, count) in (0, 1) that depend on the seed and on places (N, 2) only."""
     # places, whole numbers of 32 bits, are mixed as in SplitMix64 (Steele et al., OOPSLA 2014)
     pair = np.asarray(places, np.int64).view(np.uint64)
-    start = hash_array(np.array([seed & WORD, 7], np.uint64))
+    start = hash_array(np.array([seed & WORD, 7], np.uint64))  # pyright: ignore[reportCallIssue]
     # arrays of unsigned integers wrap round without a warning
     first = pair[:, :1] << 32
     word = first ^ (pair[:, 1:] & 0xFFFFFFFF)
     column = np.arange(1, count + 1, dtype=np.uint64) * 0x9E3779B97F4A7C15
-    row = hash_array(word ^ start[:1])
-    mixed = hash_array(row + start[1:] + column)
+    row = hash_array(word ^ start[:1])  # pyright: ignore[reportCallIssue]
+    mixed = hash_array(row + start[1:] + column)  # pyright: ignore[reportCallIssue]
     return ((mixed >> 11) + 0.5) / 2.0**53
 
 

@@ -153,7 +153,7 @@ class RfRanger(PhaseRanger):
 
     def phasor(self, light: Array, ranges: ArrayLike, turn: ArrayLike = 0.0) -> Complex:
         """Envelope, V, of light, W, from ranges, m, its phase turned by ``turn``, rad."""
-        return self.envelope(light) * np.exp(1j * (self.phase(ranges) + turn))
+        return self.envelope(light) * np.exp(1j * (self.phase(ranges) + turn))  # pyright: ignore[reportOperatorIssue, reportReturnType]
 
     def day(self, target: Plane, positions: Array, rng: Generator) -> Array:
         """Estimated ranges (P,), m, of one sweep."""
@@ -229,7 +229,7 @@ class RfRanger(PhaseRanger):
 def skew_quadratures(phasor: ArrayLike, gain: float, error: float) -> Complex:
     """Reading of an I/Q mixer whose Q is ``gain`` too large and ``error``, rad, off 90 degrees."""
     turned = np.multiply(phasor, np.exp(1j * error))
-    return np.real(phasor) + 1j * gain * turned.imag
+    return np.real(phasor) + 1j * gain * turned.imag  # pyright: ignore[reportAttributeAccessIssue]
 
 
 def rf_image(ranger: RfRanger, target: Target, angles: Array, *, seed: int) -> Array:

@@ -152,4 +152,4 @@ class TwinSettings:
         perfect = {"mirror_reflectance": 1.0, "fibre_low": 0.25, "fibre_high": 0.25}
         perfect |= {"transmitted_extinction": np.inf, "reflected_extinction": np.inf}
         perfect |= dict.fromkeys(FLAWS, 0.0) | {"noise": False, "speckle": False}
-        return cls(**perfect | changes)
+        return cls(**perfect | changes)  # pyright: ignore[reportArgumentType]

@@ -81,11 +81,11 @@ def place_spots(windows: ArrayLike, sensor: Sensor) -> Arrays:
         pull = np.vecdot([lit.sum(1), lit.sum(2)], off)
         centre += np.clip(2 * pull / total, -1, 1)
     noise = np.maximum(light, 0) + sensor.ambient + sensor.read_noise**2
-    noise *= weight**2
-    off = off[0] ** 2
+    noise *= weight**2  # pyright: ignore[reportPossiblyUnboundVariable]
+    off = off[0] ** 2  # pyright: ignore[reportPossiblyUnboundVariable]
     sigma = np.sqrt(np.vecdot(noise.sum(1), off))
-    sigma /= np.maximum(np.vecdot(lit.sum(1), 1 - off / WEIGHT**2), 1e-9)
-    lost = total < 6 * np.sqrt(noise.sum((1, 2)))
+    sigma /= np.maximum(np.vecdot(lit.sum(1), 1 - off / WEIGHT**2), 1e-9)  # pyright: ignore[reportPossiblyUnboundVariable]
+    lost = total < 6 * np.sqrt(noise.sum((1, 2)))  # pyright: ignore[reportPossiblyUnboundVariable]
     lost |= (np.abs(centre - middle) > 2).any(0)
     lost |= light.max((1, 2)) >= sensor.full_well - sensor.ambient
     sigma = np.where(lost, np.nan, np.hypot(sigma, sensor.speckle))

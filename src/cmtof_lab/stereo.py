@@ -128,7 +128,7 @@ def calibrate(corners: ArrayLike, shape: Shape) -> tuple[StereoRig, float]:
     corners = np.asarray(corners, np.float32)
     views = corners.shape[1]
 
-    rms, left, bent_left, right, bent_right, turn, shift, *_ = cv2.stereoCalibrate(
+    rms, left, bent_left, right, bent_right, turn, shift, *_ = cv2.stereoCalibrate(  # pyright: ignore[reportCallIssue]
         [BOARD.astype(np.float32)] * views,
         *map(list, corners),
         *[None] * 4,  # nothing is known of the lenses
@@ -183,7 +183,7 @@ def scan_spots(
 
     Lambertian spots with speckle, shot and read noise; the 99th percentile peaks at 70 % of a well.
     """
-    points = points_from_depth(frame.depth, frame.camera)
+    points = points_from_depth(frame.depth, frame.camera)  # pyright: ignore[reportArgumentType]
     pixels = rig.project(points)
     spots = Spots(np.full_like(pixels, np.nan), np.full_like(pixels[..., 0], np.nan))
     for k in range(2):

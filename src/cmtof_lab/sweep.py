@@ -45,7 +45,7 @@ def collected_power(
     smooth = replace(settings, speckle=False)
     whole = trace(target, np.zeros((1, 2)), smooth, 0).fraction.sum()
     power = sent_power(settings, mode) * inward(settings) * whole
-    return (power * share[1:] / share[0]).reshape(np.shape(ranges))
+    return (power * share[1:] / share[0]).reshape(np.shape(ranges))  # pyright: ignore[reportIndexIssue]
 
 
 @dataclass(frozen=True)

@@ -85,7 +85,7 @@ class FrameTarget:
             middles,
             self._inverse,
             bounds_error=False,
-            fill_value=None,
+            fill_value=None,  # pyright: ignore[reportArgumentType]
         )
         corners = sliding_window_view(self._inverse, (2, 2))
         smallest = corners.min(axis=(2, 3))

@@ -127,7 +127,7 @@ def _rug(kit: Kit, space: Box) -> Solids:
     x0, x1, y0, y1 = space.floor
     outline = np.array([(x0, y0), (x1, y0), (x1, y1), (x0, y1)])
     if kit.chance(0.2):
-        outline = ellipse(*space.size[:2], 40)
+        outline = ellipse(*space.size[:2], 40)  # pyright: ignore[reportCallIssue]
     return "fabric", extrusion(outline, space.z1)
 
 

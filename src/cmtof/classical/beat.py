@@ -67,7 +67,7 @@ def beat_polar(measurement: Measurement) -> Arrays:
 def beat_phasor(measurement: Measurement) -> Complex:
     """Beat phasor ``|p_1| |p_2| exp(i (phi_2 - k phi_1))`` (H, W), counts^2; 0 where unknown."""
     size, angle = beat_polar(measurement)
-    return size * np.exp(1j * angle)
+    return size * np.exp(1j * angle)  # pyright: ignore[reportReturnType]
 
 
 def beat(measurement: Measurement, *, window: int = WINDOW) -> Estimate:
@@ -118,7 +118,7 @@ def guides(measurement: Measurement) -> Array:
         length = uniform_filter(np.abs(pairs), 11)
         coherence *= quotient(np.abs(total), length)
         slope = quotient(total, np.abs(total))
-        slopes += [slope.real, slope.imag]
+        slopes += [slope.real, slope.imag]  # pyright: ignore[reportAttributeAccessIssue]
     bright = uniform_filter(amplitude.sum(axis=0), 5)
     # a tenth of the mean keeps the logarithm of noise in the dark from guiding anything
     bright = np.log(0.1 + np.maximum(bright, 0) / (bright.mean() or 1.0))

@@ -138,7 +138,7 @@ def _posterior(measurement: Measurement, wraps: Numbers, residual: Array) -> Arr
     gap = TAU * max(abs(step), 1e-12)
     spread = _misfit_noise(measurement, residual, ratio, gap)
     if (last - first - 1) * gap > TAU:
-        return 1 / sum(
+        return 1 / sum(  # pyright: ignore[reportReturnType]
             np.exp(
                 (residual**2 - centred(residual - TAU * step * (n - wraps)) ** 2)
                 / (2 * spread**2)

@@ -151,7 +151,7 @@ def _gaussian_band(size: int, radius: int) -> csr_array:
     taps /= taps.sum()
     inside = abs(apart) < size
     shares = taps[inside].astype(np.float32)
-    return diags_array(list(shares), offsets=apart[inside], shape=(size, size)).tocsr()
+    return diags_array(list(shares), offsets=apart[inside], shape=(size, size)).tocsr()  # pyright: ignore[reportArgumentType]
 
 
 def _cubic_shares(place: Single, nodes: int) -> Single:
@@ -162,5 +162,5 @@ def _cubic_shares(place: Single, nodes: int) -> Single:
     around = range(-1, 3)
     for k in around:  # Lagrange's polynomials
         share = prod((fraction - other) / (k - other) for other in around if other != k)
-        np.put_along_axis(weights, cell.astype(int)[None] + k + 1, share[None], axis=0)
+        np.put_along_axis(weights, cell.astype(int)[None] + k + 1, share[None], axis=0)  # pyright: ignore[reportIndexIssue]
     return weights

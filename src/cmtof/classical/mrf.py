@@ -147,7 +147,7 @@ def _pool_beat(kappa: Array, beat: Array, slope: Array) -> Complex:
     for steepness, place in zip(slope, np.indices(kappa.shape), strict=True):
         centre = mean(kappa * place) / total
         off += steepness * (centre - place)
-    return mean(kappa * np.exp(1j * beat)) * np.exp(-1j * off)
+    return mean(kappa * np.exp(1j * beat)) * np.exp(-1j * off)  # pyright: ignore[reportReturnType]
 
 
 def _noise(phasors: Complex, means: Complex) -> Array:

@@ -84,7 +84,7 @@ def match(
 ) -> Array:
     """F (H, W), counts, at depths (H, W), m, for phases, rad, and amplitudes, counts, (2, H, W)."""
     pairs = zip(amplitude, frequencies, phase, strict=True)
-    return sum(a * np.cos(phase_from_depth(depth, f) - p) for a, f, p in pairs)
+    return sum(a * np.cos(phase_from_depth(depth, f) - p) for a, f, p in pairs)  # pyright: ignore[reportReturnType]
 
 
 def _peak(

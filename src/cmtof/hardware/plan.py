@@ -35,7 +35,7 @@ BURST_INTERVAL = 20e-3
 class Line(NamedTuple):
     """Bursts that are recorded together: a row of the image, or a step of the calibration."""
 
-    index: int
+    index: int  # pyright: ignore[reportIncompatibleMethodOverride]
     mode: str
     kind: str  # "dark", "reference" or "scan"
     row: int  # of the image, or the number of the target's position

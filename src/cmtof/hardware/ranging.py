@@ -36,7 +36,7 @@ def correct_quadratures(
 ) -> Complex:
     """Phasor of a reading I + iQ, corrected for Q's ``gain`` and phase ``error``, rad."""
     z = np.asarray(reading, complex)
-    return z.real + 1j * (z.imag / gain - z.real * np.sin(error)) / np.cos(error)
+    return z.real + 1j * (z.imag / gain - z.real * np.sin(error)) / np.cos(error)  # pyright: ignore[reportAttributeAccessIssue]
 
 
 def take_reading(bench: Bench, way: str, gain: Gain, labels: Iterator[int]) -> Array:

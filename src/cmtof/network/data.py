@@ -120,7 +120,7 @@ def dead_leaves(
             far = np.maximum(abs(along), abs(beside))
         outside = far > 1
         turns = np.where(outside, turns, _plate_depth(rng, away, size, protocol))
-        light = np.where(outside, light, _plate_light(rng, pixels, along))
+        light = np.where(outside, light, _plate_light(rng, pixels, along))  # pyright: ignore[reportArgumentType]
     grain = 0.15 * rng.standard_normal((side, side))
     grain *= rng.uniform() < 0.5
     light *= np.exp(grain)
@@ -306,8 +306,8 @@ def batch_of(crops: list[tuple], offset: float = 0.0) -> Batch:
     images = (
         np.stack(depth),
         np.stack(light).astype(np.float32),
-        np.float32(sigma),
+        np.float32(sigma),  # pyright: ignore[reportArgumentType]
         np.stack(noise),
-        np.float32([rng.normal(0, offset, 2) for rng in rngs]),
+        np.float32([rng.normal(0, offset, 2) for rng in rngs]),  # pyright: ignore[reportArgumentType]
     )
     return Batch(*map(torch.from_numpy, images))

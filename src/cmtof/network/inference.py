@@ -14,16 +14,16 @@ from pathlib import Path
 import numpy as np
 import xarray as xr
 from onnxruntime import (
-    GraphOptimizationLevel,
+    GraphOptimizationLevel,  # pyright: ignore[reportAttributeAccessIssue]
     InferenceSession,
-    OrtAllocatorType,
-    OrtArenaCfg,
-    OrtMemoryInfo,
-    OrtMemType,
+    OrtAllocatorType,  # pyright: ignore[reportAttributeAccessIssue]
+    OrtArenaCfg,  # pyright: ignore[reportAttributeAccessIssue]
+    OrtMemoryInfo,  # pyright: ignore[reportAttributeAccessIssue]
+    OrtMemType,  # pyright: ignore[reportAttributeAccessIssue]
     OrtValue,
-    RunOptions,
-    SessionOptions,
-    create_and_register_allocator,
+    RunOptions,  # pyright: ignore[reportAttributeAccessIssue]
+    SessionOptions,  # pyright: ignore[reportAttributeAccessIssue]
+    create_and_register_allocator,  # pyright: ignore[reportAttributeAccessIssue]
 )
 
 from cmtof.constants import FREQUENCIES
@@ -201,7 +201,7 @@ def apply_last_layer(ready: LoadedNetwork, found: Single) -> Single:
     if len(session(ready).get_outputs()) == 1:
         return found
     weight = ready.weights["output.weight"][..., 0, 0]
-    return np.tensordot(weight, found, 1) + ready.weights["output.bias"][:, None, None]
+    return np.tensordot(weight, found, 1) + ready.weights["output.bias"][:, None, None]  # pyright: ignore[reportReturnType]
 
 
 def network_images(measurement: Measurement, kind: str) -> list[Single]:
@@ -271,4 +271,4 @@ def run_padded(ready: LoadedNetwork, inputs: Single) -> Single:
     options = RunOptions()  # memory beyond the shared 256 MiB is freed at once
     options.add_run_config_entry("memory.enable_memory_arena_shrinkage", "cpu:0")
     found = network.run(None, {metadata["features"]: inputs}, options)[0]
-    return found[0, :, :height, :width]
+    return found[0, :, :height, :width]  # pyright: ignore[reportArgumentType, reportCallIssue, reportIndexIssue]

@@ -43,7 +43,7 @@ class NormedConv(nn.Sequential):
         if norm.training or isinstance(norm, ImageNorm):
             return super().forward(input)
         scale, offset = scale_and_offset(norm)
-        x = layer._conv_forward(input, layer.weight * scale.view(-1, 1, 1, 1), offset)
+        x = layer._conv_forward(input, layer.weight * scale.view(-1, 1, 1, 1), offset)  # pyright: ignore[reportCallIssue, reportOperatorIssue]
         for function in more:
             x = function(x)
         return x
@@ -51,8 +51,8 @@ class NormedConv(nn.Sequential):
 
 def scale_and_offset(norm: nn.Module) -> tuple[Tensor, Tensor]:
     """Factor and summand (C,) of each channel, to which a batch norm in evaluation amounts."""
-    scale = norm.weight * torch.rsqrt(norm.running_var + norm.eps)
-    return scale, norm.bias - norm.running_mean * scale
+    scale = norm.weight * torch.rsqrt(norm.running_var + norm.eps)  # pyright: ignore[reportOperatorIssue]
+    return scale, norm.bias - norm.running_mean * scale  # pyright: ignore[reportOperatorIssue]
 
 
 def conv(

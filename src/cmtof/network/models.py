@@ -64,7 +64,7 @@ class Network(nn.Module):
     def build(self) -> None: ...
 
     def body(self, x: Tensor) -> Tensor:
-        return self.output(self.before_output(x))
+        return self.output(self.before_output(x))  # pyright: ignore[reportCallIssue]
 
     def before_output(self, x: Tensor) -> Tensor: ...
 
@@ -184,12 +184,12 @@ class FastSCNN(Network):
         weight[:8, : sums.shape[1]] = sums[..., None, None]
         self.down.get_parameter("0.1.bias")[:8] = 2.0
         # from there on each goes alone, averaged, two spreads above the ReLU's corner
-        path = [*self.down[1], *self.pyramid.branches]
+        path = [*self.down[1], *self.pyramid.branches]  # pyright: ignore[reportGeneralTypeIssues]
         for block in self.extract:
             if block.residual:
                 block.get_parameter("body.2.1.weight").zero_()
             else:
-                path += block.body
+                path += block.body  # pyright: ignore[reportOperatorIssue]
         for kernel, norm, *relu in path:
             kernel.weight[:8] = 0
             size = kernel.kernel_size[0]

@@ -36,7 +36,7 @@ class Muon(torch.optim.AdamW):
                 0.0
             )  # AdamW asks for it when a checkpoint is loaded
         state["momentum"].lerp_(kernel.grad, 1 - MOMENTUM)
-        ahead = kernel.grad.lerp(state["momentum"], MOMENTUM)
+        ahead = kernel.grad.lerp(state["momentum"], MOMENTUM)  # pyright: ignore[reportOptionalMemberAccess]
         direction = orthogonal(ahead.flatten(1)).view_as(kernel)
         size = max(kernel.shape[0], kernel[0].numel())
         kernel.mul_(1 - rate * decay).sub_(direction, alpha=0.2 * size**0.5 * rate)

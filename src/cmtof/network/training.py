@@ -146,7 +146,7 @@ class Unwrapping(LightningModule):
         self.log("loss", loss, prog_bar=True)
         return loss
 
-    def on_train_batch_end(self, *_: Any) -> None:
+    def on_train_batch_end(self, *_: Any) -> None:  # pyright: ignore[reportIncompatibleMethodOverride]
         average_into(self.average, self.network, self.global_step, self.config.average)
 
     def on_train_epoch_end(self) -> None:

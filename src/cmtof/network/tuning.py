@@ -76,7 +76,7 @@ class Tuner:
     def __init__(self, network: Network, steps: int, rate: float) -> None:
         self.losses: list[float] = []  # of each step, before the weights learn from it
         self.average = deepcopy(network).requires_grad_(False)
-        self.network = deepcopy(network).to(memory_format=torch.channels_last).train()
+        self.network = deepcopy(network).to(memory_format=torch.channels_last).train()  # pyright: ignore[reportCallIssue]
         for layer in norms(self.network):
             layer.eval()
         self.optimizer = optimizer_of(self.network, "muon", rate)
@@ -140,7 +140,7 @@ def _augmented_crop(
     label[~known | (label < 0) | (label >= network.classes)] = IGNORED
     phase = np.mod(phase + TAU * move * ratio, TAU).astype(np.float32)
     inputs = features(phase, amplitude, network.model.features, *more)
-    return Sample(inputs, label, phase[0], turns + move)
+    return Sample(inputs, label, phase[0], turns + move)  # pyright: ignore[reportArgumentType]
 
 
 def _random_window(view: tuple, side: int, rng: np.random.Generator) -> list[Array]:
@@ -152,6 +152,6 @@ def _random_window(view: tuple, side: int, rng: np.random.Generator) -> list[Arr
     turn = rng.integers(4) * rng.integers(2)  # scenes stand upright more often
     mirror = 1 - 2 * rng.integers(2)
     return [
-        np.ascontiguousarray(np.rot90(image[window], turn, (-2, -1))[..., ::mirror])
+        np.ascontiguousarray(np.rot90(image[window], turn, (-2, -1))[..., ::mirror])  # pyright: ignore[reportArgumentType, reportCallIssue]
         for image in (label, turns, *images)
     ]

@@ -104,7 +104,7 @@ def borders(field: Field, label: Numbers, surfaces: Array) -> Borders:
     table = np.array(rows, float).reshape(-1, 7)
     whole = table[:, :3].astype(int)
     odds = _odds_of_meeting(table[:, 3:].T)
-    return Borders(*whole.T, odds)
+    return Borders(*whole.T, odds)  # pyright: ignore[reportCallIssue]
 
 
 def _crossings(label: Numbers) -> tuple[Numbers, Numbers]:

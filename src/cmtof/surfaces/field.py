@@ -79,7 +79,7 @@ def field_from_measurement(measurement: Measurement) -> Field:
     wavenumber = 2 * TAU * measurement.frequencies[:2] / SPEED_OF_LIGHT
     return Field(
         *np.pad(_weighted_phasors(measurement), ((0, 0), *padding)),
-        wavenumber,
+        wavenumber,  # pyright: ignore[reportCallIssue]
         turns=TAU * np.rint(wavenumber / wavenumber[0]),
         u=u,
         v=v,
@@ -97,7 +97,7 @@ def _weighted_phasors(measurement: Measurement) -> Array:
     ratio = np.where(known, 1 / np.maximum(np.where(known, spread, 1), _SHARPEST), 0)
     information = ratio**2  # phases alone do not say how noisy they are
     if "correlation" in measurement.dataset and measurement.dataset.sizes["step"] > 3:
-        information = _smooth_power(information, known)
+        information = _smooth_power(information, known)  # pyright: ignore[reportArgumentType]
     # P = a p / s^2 with the smoothed a / s and this pixel's own p / s
     size = np.sqrt(information) * ratio
     turned = np.where(known, phase, 0)

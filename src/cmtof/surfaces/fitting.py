@@ -303,7 +303,7 @@ def _fit_all(field, label, cells, starts, surfaces, effort, gain):  # pragma: no
         if own.size > 0:
             boxes, weight = boxes_of_cells(own, field.u.size // CELL, most)
             q = surfaces[n, :BENT]
-            fit[n] = _fit_one(field, Region(boxes, label, n), q, steps, gain, weight)
+            fit[n] = _fit_one(field, Region(boxes, label, n), q, steps, gain, weight)  # pyright: ignore[reportArgumentType]
     return surfaces, fit
 
 

@@ -191,7 +191,7 @@ def _grow_surfaces(
             inner = placing.interiors(label, share)
     surfaces, fit = fit_surfaces(field, inner, surfaces, (_STEPS, _CELLS), gain)
     off = label < 0
-    distance = np.where(off.all(), np.inf, distance_transform_edt(off))
+    distance = np.where(off.all(), np.inf, distance_transform_edt(off))  # pyright: ignore[reportArgumentType, reportCallIssue]
     return GrownSurfaces(owner, label, share, inner, surfaces, fit, distance)
 
 

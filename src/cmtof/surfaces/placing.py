@@ -206,7 +206,7 @@ def _planes(surfaces: Array, fit: Array) -> Planes:
     along = np.sum(normal * shift, axis=1, keepdims=True)
     turn = (shift - normal * along) / length
     noise = fit[:, 7:].reshape(-1, 3, 3) / length[:, :, None] ** 2
-    return Planes(normal, turn, noise, shift.any(axis=1))
+    return Planes(normal, turn, noise, shift.any(axis=1))  # pyright: ignore[reportArgumentType]
 
 
 def use_axes(found: Offsets, surfaces: Array, fit: Array, label: Numbers) -> Offsets:
@@ -324,7 +324,7 @@ def _with_neighbours(cells: Cells, sums: Array) -> Array:
     both = np.concatenate([sums, cells.information])
     found = both
     for radius in (1, 2, 4):  # six functions miss what these turn back
-        information = found[2:].real.sum(axis=0)
+        information = found[2:].real.sum(axis=0)  # pyright: ignore[reportAttributeAccessIssue]
         wider = sum_nearby(both, cells.main, radius)
         found = np.where(information < ENOUGH, wider, found)
     return found[:2]

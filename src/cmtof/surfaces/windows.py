@@ -39,7 +39,7 @@ def windows(
     clearest = _clearest(field, free, corner, side)
     corner = corner.take(clearest, axis=1)
     margin = (side - core) // 2
-    slopes = spectral_slopes(field, *(corner + margin), core, finer)
+    slopes = spectral_slopes(field, *(corner + margin), core, finer)  # pyright: ignore[reportCallIssue]
     sides = np.full_like(corner[0], side)
     return *corner, sides, *slopes
 
@@ -76,11 +76,11 @@ def spectral_slopes(
     slopes = np.empty((2, top.size))
     phasors = (field.real + 1j * field.imaginary).astype(np.complex64)
     squares = sliding_window_view(phasors, (side, side), axis=(1, 2))
-    batch = max(1, 2**19 // size**2)  # spectra that stay in the cache
+    batch = max(1, 2**19 // size**2)  # spectra that stay in the cache  # pyright: ignore[reportOperatorIssue]
     for start in range(0, top.size, batch):
         some = slice(start, start + batch)
         part = squares[:, top[some], left[some]]
-        slopes[:, some] = _peaks(part, size, field.ratio)
+        slopes[:, some] = _peaks(part, size, field.ratio)  # pyright: ignore[reportArgumentType]
     return slopes
 
 
@@ -91,7 +91,7 @@ def _peaks(squares: Array, size: int, ratio: float) -> Array:
     higher %= size
     rows = fft(squares, size)  # before rows of zeros are added
     spectrum = fft(rows, size, axis=-2)
-    low, high = spectrum.real**2 + spectrum.imag**2
+    low, high = spectrum.real**2 + spectrum.imag**2  # pyright: ignore[reportAttributeAccessIssue]
     moved = high[:, higher[:, None], higher]
     joint = low + moved
     best = joint.reshape(-1, size**2).argmax(axis=1)
