@@ -25,8 +25,7 @@ Port = Literal["transmitted", "reflected"]
 
 def linear_polarisation(angle: ArrayLike = 0.0) -> JonesVector:
     """Unit vector (..., 2) polarised along ``angle``, rad: 0 horizontal, pi/2 vertical (Eq. 11)."""
-    pair = np.stack([np.cos(angle), np.sin(angle)], axis=-1)
-    return pair.astype(np.complex128)
+    return np.stack([np.cos(angle), np.sin(angle)], axis=-1).astype(np.complex128)
 
 
 def intensity(field: ArrayLike) -> Array:

@@ -68,7 +68,7 @@ def test_every_pixel_of_a_narrow_surface_counts_where_pixels_are_clear(
     cells = cells_of_surfaces(field, strips, depth, 1, field.side)
     assert cells.side == side
     counted = field.information[:, strips >= 0].sum() * share
-    assert cells.told.sum() == approx(counted)
+    assert cells.information.sum() == approx(counted)
 
 
 def test_shape_and_beat_are_weighed_by_what_is_known_of_them():

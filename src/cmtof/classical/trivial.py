@@ -15,9 +15,10 @@ def middle(measurement: Measurement) -> Estimate:
 
 def uniform(measurement: Measurement) -> Estimate:
     """A random depth in range, all equally likely; drawn from the frame's number."""
-    frame = int(measurement.dataset.attrs.get("frame_number", 0))
-    rng = np.random.default_rng([0, frame])
-    depth = rng.uniform(*measurement.range, measurement.shape)
+    number = int(measurement.dataset.attrs.get("frame_number", 0))
+    depth = np.random.default_rng([0, number]).uniform(
+        *measurement.range, measurement.shape
+    )
     return Estimate(depth, guess_probability(measurement))
 
 

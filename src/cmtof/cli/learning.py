@@ -109,7 +109,7 @@ def train(
     Example: [bold]cmtof train miniature -o runs/miniature[/bold]
     """
     from cmtof.hypersim import Hypersim
-    from cmtof.network.recipe import read_config
+    from cmtof.network.recipe import Rooms, read_config
     from cmtof.network.training import train as train_network
 
     chosen = read_config(config, **recipe)
@@ -117,8 +117,7 @@ def train(
     if data:
         Hypersim(data)  # refused before anything is written
 
-    def find_tree() -> Path:
-        rooms = chosen.rooms
+    def find_tree(rooms: Rooms) -> Path:
         name = f"rooms_{rooms.seed}_{rooms.scenes}x{rooms.views}_{rooms.height}x{rooms.width}"
         rendered = folder.parent / name
         if not data:

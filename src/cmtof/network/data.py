@@ -19,7 +19,7 @@ from cmtof.hypersim import Hypersim
 from cmtof.measurement import unambiguous_range
 from cmtof.network.features import CLASSES, features
 from cmtof.network.losses import IGNORED
-from cmtof.network.recipe import Config
+from cmtof.network.recipe import Config, Rooms
 from cmtof.simulation import RELEASED_FAR_DEPTH, released_scale
 from cmtof.types import Array, Arrays
 
@@ -209,14 +209,14 @@ def pack_views(views: Sequence[Source]) -> Pack:
     return Pack(np.stack(depths), np.stack(lights), np.array(far))
 
 
-def open_rooms(config: Config, find_tree: Callable[[], Path]) -> Packs:
+def open_rooms(config: Config, find_tree: Callable[[Rooms], Path]) -> Packs:
     """Frames of a tree to train and to validate on; it is asked for if there are rooms.
 
     Without rooms none to train on, and leaves of a seed of their own.
     """
     if config.rooms is None:
         return None, _pack_of_leaves(config)
-    scenes = Hypersim(find_tree())
+    scenes = Hypersim(find_tree(config.rooms))
     train, val = (
         pack_views(scenes.sources(scenes.split()[part])) for part in ("train", "val")
     )

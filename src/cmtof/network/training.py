@@ -38,7 +38,7 @@ from cmtof.network.features import CLASSES
 from cmtof.network.losses import IGNORED, regression_loss, unwrapping_loss
 from cmtof.network.models import Network, build_network
 from cmtof.network.muon import Muon
-from cmtof.network.recipe import Config
+from cmtof.network.recipe import Config, Rooms
 from cmtof.types import Fields, Numbers, Values
 
 
@@ -237,7 +237,7 @@ def train(
     config: Config,
     folder: Path,
     *,
-    find_tree: Callable[[], Path] = Path,
+    find_tree: Callable[[Rooms], Path] = lambda rooms: Path(),
     init: Path | None = None,
     resume: bool = False,
     minutes: float | None = None,
@@ -246,11 +246,11 @@ def train(
 ) -> Path | None:
     """Train, or go on training, and write the averaged weights with their card into a folder.
 
-    For rooms ``find_tree`` returns a folder in Hypersim's layout, by default the working folder; it
-    may render them first. ``init`` are weights to begin with, ``resume`` goes on from the folder's
-    checkpoint, and a leg ends at the first checkpoint after some ``minutes``; the ``flags`` are
-    Lightning's: accelerator, devices, num_nodes, strategy. Returned is the file of weights, or None
-    while steps are left. Raises ValueError if another process trains in the folder.
+    ``find_tree`` returns the folder of a configuration's rooms in Hypersim's layout, by default the
+    working folder; it may render them first. ``init`` are weights to begin with, ``resume`` goes on
+    from the folder's checkpoint, and a leg ends at the first checkpoint after some ``minutes``; the
+    ``flags`` are Lightning's: accelerator, devices, num_nodes, strategy. Returned is the file of
+    weights, or None while steps are left. Raises ValueError if another process trains there.
     """
     folder.mkdir(parents=True, exist_ok=True)
     with (
