@@ -72,7 +72,7 @@ def wraps_off(depth):
 own = depth_of_labels(found.field, found.label, found.surfaces)
 tried = {
     "4 offsets": own + period * np.rint(found.offsets.mean)[found.label],
-    "5 ties": own + period * found.tied.wraps[found.label],
+    "5 ties": own + period * found.placement.wraps[found.label],
     "6 and 7, the rest": found.depth,
 }
 errors = {name: wraps_off(depth) for name, depth in tried.items()}

@@ -13,7 +13,7 @@ import numpy as np
 
 from cmtof.correlation import wrapped
 from cmtof.files import AnyPath
-from cmtof.frame import read_error
+from cmtof.frame import unreadable_error
 from cmtof.types import Array
 
 
@@ -71,7 +71,7 @@ def _read_map(path: Path) -> Array:
         if table.size == 0 or not np.isfinite(table).all():
             raise ValueError("NaN or inf" if table.size else "none")
     except ValueError as error:
-        raise read_error(
+        raise unreadable_error(
             "rows of finite numbers separated by commas", path, error
         ) from error
     return table

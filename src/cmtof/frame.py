@@ -126,7 +126,7 @@ def held_out_frames() -> list[Frame]:
     return [Frame(depth, one, camera, str(name)) for depth, one, camera, name in views]
 
 
-def read_error(
+def unreadable_error(
     expected: str,
     path: object,
     error: Exception,
@@ -147,7 +147,7 @@ def read_npz(path: Path) -> dict[str, NDArray]:
         with np.load(path, allow_pickle=False) as arrays:
             return {name: arrays[name] for name in arrays.files}
     except Exception as error:  # zipfile, zlib and numpy raise half a dozen kinds
-        raise read_error("a whole .npz file", path, error) from error
+        raise unreadable_error("a whole .npz file", path, error) from error
 
 
 def list_npz(path: Path) -> Texts:
@@ -162,7 +162,7 @@ def list_npz(path: Path) -> Texts:
                     shape, _, kind = read(file)
                     found[member.removesuffix(".npy")] = f"{shape} {kind}"
     except Exception as error:  # zipfile, zlib and numpy raise half a dozen kinds
-        raise read_error("a whole .npz file", path, error) from error
+        raise unreadable_error("a whole .npz file", path, error) from error
     return found
 
 

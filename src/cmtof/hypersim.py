@@ -18,7 +18,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from cmtof.files import AnyPath, atomic_output, check_input, check_links
-from cmtof.frame import Frame, Source, read_error
+from cmtof.frame import Frame, Source, unreadable_error
 from cmtof.types import Array, Named, Shape, Texts
 from cmtof.validation import check_claim
 
@@ -158,7 +158,7 @@ class Hypersim:
             with path.open(encoding="utf-8-sig", newline="") as file:
                 return [parse(row) for row in csv.DictReader(file)]
         except (csv.Error, KeyError, TypeError, ValueError) as error:
-            raise read_error(
+            raise unreadable_error(
                 "the data set's columns and numbers", path, error
             ) from error
 
@@ -255,7 +255,7 @@ def read_array(path: Path, dimensions: int) -> NDArray:
     except (
         Exception
     ) as error:  # h5py raises OSError, KeyError and RuntimeError by kind of damage
-        raise read_error(
+        raise unreadable_error(
             "a whole HDF5 file with the key dataset", path, error
         ) from error
     return array

@@ -6,7 +6,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from cmtof.files import AnyPath, check_input
-from cmtof.frame import Frame, light_note, ray_lengths, read_error
+from cmtof.frame import Frame, light_note, ray_lengths, unreadable_error
 from cmtof.types import Array
 
 # Suffixes that `read_image` reads; only PNG, PGM, PFM and NPY hold depth.
@@ -82,7 +82,9 @@ def read_image(path: Path) -> NDArray:
     except (
         Exception
     ) as error:  # Pillow raises OSError, SyntaxError and, for bombs, its own kind
-        raise read_error("a PNG image (or JPEG for colour)", path, error) from error
+        raise unreadable_error(
+            "a PNG image (or JPEG for colour)", path, error
+        ) from error
     # Pillow opens some 16-bit greys as 32-bit integers
     return pixels.astype(np.uint16) if pixels.dtype == np.int32 else pixels
 

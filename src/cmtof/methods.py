@@ -10,7 +10,7 @@ from typing import Any
 import numpy as np
 
 from cmtof.classical import crt, kde, mrf, references, region, trivial
-from cmtof.classical.beat import beat, beat_guided, check_by_beat
+from cmtof.classical.beat import beat, beat_guided, estimate_with_beat
 from cmtof.classical.phasor import phasor
 from cmtof.estimate import Estimate, beat_repeats, without_holes, wraps_in_range
 from cmtof.files import AnyPath
@@ -112,7 +112,7 @@ def _network_method(
 
         filled = without_holes(measurement)  # a network was never shown any
         found = unwrap_with_network(filled, model=model, weights=weights, **usual)
-        return check_by_beat(*found, measurement)
+        return estimate_with_beat(*found, measurement)
 
     return Method(name, "learned", source, run, about=about, memory=1300, network=model)
 

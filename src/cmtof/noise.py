@@ -165,8 +165,7 @@ def power_spectrum(values: ArrayLike, mask: ArrayLike) -> Array:
             f"Expected finite values within a mask of shape {values.shape}, got a mask of shape "
             f"{mask.shape} with {mask.sum()} pixels. Choose another region."
         )
-    waves = np.fft.fft2(np.where(mask, values, 0))
-    return np.abs(waves) ** 2 / mask.sum()
+    return np.abs(np.fft.fft2(np.where(mask, values, 0))) ** 2 / mask.sum()
 
 
 def noise_from_spectrum(spectrum: ArrayLike, *, rng: Generator) -> Array:

@@ -20,7 +20,7 @@ from cmtof.files import (
     check_links,
     check_output,
 )
-from cmtof.frame import read_error
+from cmtof.frame import unreadable_error
 from cmtof.types import Fields
 from cmtof.validation import check_claim
 
@@ -94,7 +94,7 @@ def _open_handle(path: Path) -> Dataset:
 
 def _error_of_file(path: object, error: Exception) -> ValueError:
     """ValueError of one line for any error with which a netCDF file could not be read."""
-    return read_error("a whole netCDF4 file", path, error, "Write it again.")
+    return unreadable_error("a whole netCDF4 file", path, error, "Write it again.")
 
 
 def _with_dimension_names(handle: Dataset) -> Dataset:

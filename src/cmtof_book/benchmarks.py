@@ -74,9 +74,9 @@ def ratios() -> None:
 def cost(method: str, protocol: str) -> Values:
     """Seconds and megabytes of unwrapping one large frame; the second of two runs."""
     import cmtof
-    from cmtof.evaluation import measure_frame as given_to
+    from cmtof.evaluation import measure_frame
 
-    measurement = given_to(large_frame(), [method], protocol=protocol)[method]
+    measurement = measure_frame(large_frame(), [method], protocol=protocol)[method]
     cmtof.unwrap(measurement, method=method)
     Path("/proc/self/clear_refs").write_text("5", "utf-8")  # forget the peak so far
     before = _memory("VmRSS")

@@ -93,7 +93,7 @@ def measurements(condition: str, frames: Iterable[Frame]) -> Iterator[Measuremen
         yield simulate(frame, frame_number=number, **CONDITIONS.get(condition, {}))
 
 
-def check_coverage(method: str, seen: Iterable[Measurement]) -> Fields:
+def coverage_means(method: str, seen: Iterable[Measurement]) -> Fields:
     """Means over rooms of the shares right and covered and of the wraps in a set; their errors."""
     counts = pd.DataFrame(counts_of(seen, method=method))
     counts["right"] = counts["below"].str[0]
@@ -114,7 +114,7 @@ def main() -> None:
     every = [*CONDITIONS, *UNEVEN, *SCANS]
     for method, conditions in {"surfaces": every, "hybrid": HYBRID}.items():
         for one in conditions:
-            of = partial(check_coverage, method, measurements(one, frames))
+            of = partial(coverage_means, method, measurements(one, frames))
             counts.keep("checked", method, one, of=of)
 
 

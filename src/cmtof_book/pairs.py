@@ -42,7 +42,7 @@ def notebook_from_script(script: Path) -> nbformat.NotebookNode:
     return notebook
 
 
-def is_same(script: Path) -> bool:
+def is_up_to_date(script: Path) -> bool:
     """Tell whether the notebook is the one that follows from the script, without outputs."""
     notebook = script.with_suffix(".ipynb")
     return notebook.is_file() and nbformat.read(notebook, 4) == notebook_from_script(
@@ -60,14 +60,14 @@ def take_newer(script: Path) -> None:
 
 
 def main(mode: str) -> int:
-    """Write, or with ``--check`` only name, every pair that is not the same; give the exit code."""
+    """Write, or with ``--check`` only name, each stale pair; give the exit code."""
     scripts = sorted((ROOT / "notebooks").glob("[0-9][0-9]_*.py"))
     if mode == "--newer":
         for script in scripts:
             take_newer(script)
         return 0
     check = mode == "--check"
-    stale = [script for script in scripts if not is_same(script)]
+    stale = [script for script in scripts if not is_up_to_date(script)]
     for script in stale:
         print(f"{'differs' if check else 'written'}: {script.stem}.ipynb")
         if not check:

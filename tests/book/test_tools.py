@@ -36,7 +36,7 @@ def test_profiles_and_contents_name_notebooks(profile):
 
 def test_notebook_pairs_agree():
     scripts = sorted((ROOT / "notebooks").glob("[0-9]*.py"))
-    assert not [s.stem for s in scripts if not pairs.is_same(s)], "run make pairs"
+    assert not [s.stem for s in scripts if not pairs.is_up_to_date(s)], "run make pairs"
 
 
 def test_sets_of_wraps_have_the_half_widths_that_were_calibrated():

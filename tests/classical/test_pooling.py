@@ -81,8 +81,7 @@ def test_densities_equal_the_sum_as_it_is_written(kernel, radius):
     assert_allclose(best, direct.max(axis=2), atol=0.01 * direct.max())
     assert_allclose(total, direct.sum(axis=2), rtol=0.04)
     ranked = np.sort(direct, axis=2)
-    lead = ranked[..., -1] - ranked[..., -2]
-    clear = lead > 0.02 * direct.max()
+    clear = ranked[..., -1] - ranked[..., -2] > 0.02 * direct.max()
     assert (found == direct.argmax(axis=2))[clear].all()
 
 

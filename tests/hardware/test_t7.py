@@ -32,8 +32,8 @@ def test_bursts_carry_mirrors_and_label_in_one_frame_and_inherit_nothing(peer, d
         peer.set(address, "I", 1)
     daq.configure_burst(**BURST)
     list(daq.bursts([{"USER_RAM0_U32": 7, "TDAC2": 2.5}]))
-    states = b"\xef\x10" * 10 + b"\xef\x00" * 10  # the other lines are left alone
-    assert (4420, states) in peer.written
+    # the other lines are left alone
+    assert (4420, b"\xef\x10" * 10 + b"\xef\x00" * 10) in peer.written
     start = peer.written.index((46100, b"\0\0\0\7"))
     assert peer.written[start + 1] == (30004, struct.pack(">f", 2.5))
     assert [address for address, _ in peer.written[start + 2 :]] == [4990, 4990]

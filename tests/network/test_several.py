@@ -63,7 +63,7 @@ def start(tmp_path):
 def test_gradients_of_two_processes_are_those_of_two_halves_in_one(start, tmp_path):
     assert start("both").wait(600) == 0
     config = read_config(tmp_path / "recipe.yml")
-    module = Unwrapping(config, open_rooms(config, Path), tmp_path / "last.ckpt")
+    module = Unwrapping(config, open_rooms(config), tmp_path / "last.ckpt")
     for rank in range(2):  # norms see one half at a time, as in a process
         (
             loss_of(

@@ -24,7 +24,7 @@ CPU = {"accelerator": "cpu", "devices": 1, "quiet": True}
 
 
 def unwrapping(config, init=None):
-    return Unwrapping(config, open_rooms(config, Path), Path(), init)
+    return Unwrapping(config, open_rooms(config), Path(), init)
 
 
 @mark.parametrize("name", PRESETS)
@@ -109,6 +109,11 @@ def test_weight_of_the_depth_is_that_of_the_configuration(config):
         assert network.model.depth_weight == 0.0
 
 
+def test_rooms_that_nothing_finds_are_refused():
+    with raises(ValueError, match="Expected a way to find the rooms"):
+        open_rooms(read_config("cpu"))
+
+
 def test_device_that_is_not_there_is_refused(tmp_path, config):
     if torch.cuda.is_available():
         skip("there is a GPU")
@@ -141,7 +146,7 @@ def test_validation_scores_a_network_that_answers_with_the_middle(config):
     module = unwrapping(config)
     middle = torch.eye(21)[10].view(1, 21, 1, 1)
     module.average.forward = lambda x: middle.expand(1, 21, *x.shape[-2:])
-    found = module.card_fields()
+    found = module.validate_average()
     assert found["validation"] == found["trivial"]["middle"]
     assert found["gain"][1] <= 0
     assert found["trivial"]["mode"].delta_lt_1 >= found["validation"].delta_lt_1

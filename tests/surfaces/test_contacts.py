@@ -27,7 +27,7 @@ def between(*entries):
     return contacts.Borders(*np.array(numbers, int), odds)
 
 
-def tied(found, borders, limits=None):
+def place(found, borders, limits=None):
     if limits is None:
         limits = np.outer([-np.inf, np.inf], np.ones_like(found.mean))
     return contacts.offsets_with_contacts(found, borders, limits, REPEAT)
@@ -61,7 +61,7 @@ def test_beliefs_along_a_chain_are_those_of_all_combinations(monkeypatch, border
     monkeypatch.setattr(contacts, "_OFFSETS", np.arange(-4, 5))
     alone = known([0.3, 1.6, 0.9], [0.5, 1.0, 0.7])
     joint = joint_odds(alone, borders)
-    found = tied(alone, between(*borders))
+    found = place(alone, between(*borders))
     for n in range(3):
         share = joint.sum(axis=tuple({0, 1, 2} - {n})) / joint.sum()
         assert found.wraps[n] == np.rint(alone.mean[n]) + share.argmax() - 4
@@ -91,7 +91,7 @@ def test_a_false_contact_gives_way_to_those_that_agree():
     """Five surfaces, all in contact; one border of ten is a wrap off."""
     pairs = combinations(range(5), 2)
     borders = between(*((*pair, pair == (0, 1), 0.8) for pair in pairs))
-    found = tied(known([0.1, 0.3, 0, 0.4, -0.2], [0.6] * 5), borders)
+    found = place(known([0.1, 0.3, 0, 0.4, -0.2], [0.6] * 5), borders)
     assert not found.wraps.any()
     assert np.unique(found.group).size == 1
 
@@ -99,7 +99,7 @@ def test_a_false_contact_gives_way_to_those_that_agree():
 def test_a_wall_behind_leaves_keeps_its_offset():
     """Sixteen leaves seem to touch it fourteen wraps off, where its own beat forbids it."""
     borders = between(*((0, leaf, 14, 0.9) for leaf in range(1, 17)))
-    found = tied(known([0.1, *[0.2] * 16], [0.1, *[1.0] * 16]), borders)
+    found = place(known([0.1, *[0.2] * 16], [0.1, *[1.0] * 16]), borders)
     assert not found.wraps.any()
 
 
@@ -112,17 +112,17 @@ def test_a_wall_behind_leaves_keeps_its_offset():
     ],
 )
 def test_none_are_tied_that_disagree_or_against_the_odds(mean, spread, odds, second):
-    found = tied(known(mean, spread), between((0, 1, 0, odds)))
+    found = place(known(mean, spread), between((0, 1, 0, odds)))
     assert found.wraps.tolist() == [0, second]
 
 
 def test_no_surface_has_no_offset():
-    assert tied(known([], []), between()).wraps.size == 0
+    assert place(known([], []), between()).wraps.size == 0
 
 
 def test_offsets_stay_within_the_limits_and_find_their_beat():
     limits = np.array([[-2.0, 340.0, -np.inf], [2.0, 370.0, np.inf]])
-    found = tied(known([4.0, 0.2, 0.0], [3.0, 0.3, 0.3]), between(), limits)
+    found = place(known([4.0, 0.2, 0.0], [3.0, 0.3, 0.3]), between(), limits)
     assert -3 < found.wraps[0] < 3
     assert found.wraps[1:].tolist() == [np.rint(0.2 + REPEAT), 0]
 
@@ -139,7 +139,7 @@ def test_neither_the_order_of_borders_nor_their_sides_matter(rng, count):
     turned = [(b, a, -step, odds) for a, b, step, odds in told]
     rng.shuffle(turned)
     found = known(true + spread * rng.normal(size=count), spread)
-    once = tied(found, between(*told))
-    again = tied(found, between(*turned))
+    once = place(found, between(*told))
+    again = place(found, between(*turned))
     assert_array_equal(again.wraps, once.wraps)
     assert_allclose(again.share, once.share, atol=1e-9)

@@ -216,7 +216,7 @@ def noise_of_mean(mean: NDArray, power: Array, count: Array | int) -> Array:
     return np.where(known, noise, np.inf)
 
 
-def check_by_beat(depth: Array, odds: Array, measurement: Measurement) -> Estimate:
+def estimate_with_beat(depth: Array, odds: Array, measurement: Measurement) -> Estimate:
     """Estimate of a depth (H, W), m, whose ``odds`` are lowered where the beat contradicts it.
 
     The beats of the pixel and of the window about it are compared with the depth: where one differs

@@ -19,7 +19,7 @@ import numpy as np
 from numpy.lib.stride_tricks import sliding_window_view
 from scipy.ndimage import gaussian_filter, uniform_filter
 
-from cmtof.classical.beat import check_by_beat, steps, synthetic_frequency
+from cmtof.classical.beat import estimate_with_beat, steps, synthetic_frequency
 from cmtof.compiled import njit
 from cmtof.correlation import TAU, depth_from_wraps, wrapped
 from cmtof.estimate import Estimate, within_range, wraps_in_range
@@ -71,7 +71,7 @@ def mrf(measurement: Measurement) -> Estimate:
     """Wraps of least cost summed over eight paths, each a chain from pixel to pixel."""
     field = wrap_field(measurement)
     labels, odds = semi_global_labels(field)
-    return check_by_beat(field.depth(labels, measurement), odds, measurement)
+    return estimate_with_beat(field.depth(labels, measurement), odds, measurement)
 
 
 def mrf_graphcut(measurement: Measurement) -> Estimate:
@@ -84,7 +84,7 @@ def mrf_graphcut(measurement: Measurement) -> Estimate:
     start, odds = semi_global_labels(field)
     labels = lower_energy(field, start)
     changed = np.where(labels == start, odds, np.minimum(odds, 1 - odds))
-    return check_by_beat(field.depth(labels, measurement), changed, measurement)
+    return estimate_with_beat(field.depth(labels, measurement), changed, measurement)
 
 
 def wrap_field(measurement: Measurement) -> RandomField:

@@ -17,7 +17,7 @@ from cmtof.bounds import wrap_probability
 from cmtof.classical.beat import (
     beat_depth,
     beat_phasor,
-    check_by_beat,
+    estimate_with_beat,
     guides,
     synthetic_frequency,
 )
@@ -89,7 +89,7 @@ def region(measurement: Measurement) -> Estimate:
     offset = whole_wraps(pooled.phase, mean_over(shape, number, mask), measurement)
     odds = _offset_odds(*parts, pooled.spread, offset, frequencies)
     near = nearest_pixel(inside & (np.bincount(number.ravel())[number] >= _SMALLEST))
-    return check_by_beat(
+    return estimate_with_beat(
         within_range((shape + offset[number])[near], measurement),
         odds[number][near]
         * np.interp(np.hypot(*(near - np.indices(mask.shape))), *BESIDE),

@@ -98,14 +98,14 @@ class Bench(EmergencyStop):
         self.daq.write_many(dict.fromkeys(self.rig.mirrors, 0.0))
         self._aim = np.zeros(2)
 
-    def mirror_voltages(self, direction: Array) -> Values:
+    def mirror_outputs(self, direction: Array) -> Values:
         """Voltages of the mirrors, by output, that send the beam in a direction (2,), rad."""
         volts = mirror_volts(self.rig, direction).tolist()
         return dict(zip(self.rig.mirrors, volts, strict=True))
 
     def fly_back(self, directions: Array) -> None:
         """Aim at the first of a line's directions (N, 2), rad, and wait for the mirrors."""
-        self.daq.write_many(self.mirror_voltages(directions[0]))
+        self.daq.write_many(self.mirror_outputs(directions[0]))
         self.wait(
             mirror_settling(self.rig, float(np.abs(directions[0] - self._aim).max()))
         )
@@ -295,7 +295,7 @@ class Bench(EmergencyStop):
             if line.kind == "scan":
                 aims = plan.angles[line.row]
                 self.fly_back(aims)
-                outputs = map(self.mirror_voltages, aims)
+                outputs = map(self.mirror_outputs, aims)
             counts = self.bursts(line.labels, outputs)
         except (BadReply, InstrumentTimeout):
             if attempts == 1:

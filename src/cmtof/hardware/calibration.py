@@ -25,7 +25,7 @@ from cmtof.types import Array, Pair
 LARGEST = 1.9  # eta, rad, up to which the mean grows
 
 
-def light_levels(
+def measure_light(
     bench: Bench,
     module: str,
     angles: Iterable[float],
@@ -64,7 +64,7 @@ def drive_amplitudes(
     bench: Bench, module: str, drives: Iterable[Sequence[float]]
 ) -> Array:
     """Drive amplitudes eta (N,), rad, of a module at N drives, each a pair of Hz and dBm."""
-    quadrature, dark, *driven = light_levels(bench, module, PLATES.values(), drives)
+    quadrature, dark, *driven = measure_light(bench, module, PLATES.values(), drives)
     share = (np.array(driven) - dark) / (2 * quadrature - 2 * dark)
     eta = np.linspace(LARGEST, 0.0, 2000)
     return np.interp(1 - 2 * share, j0(2 * eta), eta)
@@ -89,7 +89,7 @@ def plate(bench: Bench, module: str, angles: Sequence[float]) -> Pair:
 
     They follow from its light at angles, degrees, spread over 45 degrees.
     """
-    fit = decode(light_levels(bench, module, angles), 8 * np.deg2rad(angles))
+    fit = decode(measure_light(bench, module, angles), 8 * np.deg2rad(angles))
     ratio = (fit.offset + fit.amplitude) / (fit.offset - fit.amplitude)
     return -float(np.rad2deg(centred(fit.phase))) / 8, float(ratio)
 

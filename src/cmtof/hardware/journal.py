@@ -60,7 +60,7 @@ def check_settings(path: Path, old: Named, new: Named) -> None:
             )
 
 
-def open_journal(path: Path, header: Named, plan: Plan) -> list[LineRecord]:
+def resume_journal(path: Path, header: Named, plan: Plan) -> list[LineRecord]:
     """Records in a plan's journal, whose damaged end is cut off; a missing journal is created.
 
     Raises ValueError if it belongs to other settings, or is none.

@@ -45,8 +45,8 @@ def take_reading(bench: Bench, way: str, gain: Gain, labels: Iterator[int]) -> A
     outputs = [{}]
     if way == "interferometer":
         travels = LASER_WAVELENGTH / 2 * np.arange(STEPS) / STEPS
-        volts = travels / rig.reference_mirror_travel
-        outputs = [{rig.reference_mirror: one} for one in volts.tolist()]
+        volts = (travels / rig.reference_mirror_travel).tolist()
+        outputs = [{rig.reference_mirror: one} for one in volts]
     counts = bench.bursts([next(labels) for _ in outputs], outputs)
     samples = counts.reshape(len(outputs), rig.phases, rig.samples_per_phase, -1)
     kept = gain.volts_from_counts(samples[:, :, rig.settle_samples :])

@@ -19,7 +19,7 @@ from cmtof.hardware.journal import (
     append_line,
     check_settings,
     journal_path,
-    open_journal,
+    resume_journal,
     whole_lines,
 )
 from cmtof.hardware.plan import SWEEP, Line, Plan
@@ -80,7 +80,7 @@ def scan(
         }
         path.touch()
         with exclusive_lock(path):
-            records = open_journal(path, header, plan)
+            records = resume_journal(path, header, plan)
             for line in plan.lines[len(records) :]:
                 if mode is None:
                     on.set_up()

@@ -38,7 +38,7 @@ PACKET = 160  # samples at most: two or more packets a point, so that a lost one
 COMPLETE = 2944  # status of a burst's last packet; 2940 to 2943 stand for skipped scans
 
 
-def frame_to_write(values: Registers) -> bytes:
+def write_request(values: Registers) -> bytes:
     """Bytes of a feedback frame that writes registers in order; an array fills consecutive ones."""
     frame = b""
     for register, value in values.items():
@@ -48,7 +48,7 @@ def frame_to_write(values: Registers) -> bytes:
     return frame
 
 
-def frame_to_read(register: str) -> bytes:
+def read_request(register: str) -> bytes:
     """Bytes of the part of a feedback frame that reads a register."""
     address, kind = REGISTERS[register]
     return struct.pack(">BHB", 0, address, struct.calcsize(f">{kind}") // 2)
@@ -107,7 +107,7 @@ class LabJackT7(Device):
 
     def write_many(self, values: Registers) -> None:
         """Write registers by name, in order, in one frame that is never repeated."""
-        self._feedback(frame_to_write(values))
+        self._feedback(write_request(values))
 
     def configure_burst(
         self,
@@ -181,8 +181,8 @@ class LabJackT7(Device):
 
     def _start(self, registers: Mapping[str, float]) -> None:
         """Write registers, start the stream and read its actual rate, in one frame."""
-        frame = frame_to_write({**registers, "STREAM_ENABLE": 1})
-        frame += frame_to_read("STREAM_SCANRATE_HZ_ACTUAL")
+        frame = write_request({**registers, "STREAM_ENABLE": 1})
+        frame += read_request("STREAM_SCANRATE_HZ_ACTUAL")
         (self.rate,) = struct.unpack(">f", self._feedback(frame, 4))
         wanted = self._settings["STREAM_SCANRATE_HZ"]
         self._expect("rate", wanted, self.rate, 1e-3 * wanted)
@@ -292,7 +292,7 @@ class LabJackT7(Device):
         """Values of registers, by name, read in one frame."""
         kinds = struct.Struct(">" + "".join(REGISTERS[name][1] for name in registers))
         return kinds.unpack(
-            self._feedback(b"".join(map(frame_to_read, registers)), kinds.size)
+            self._feedback(b"".join(map(read_request, registers)), kinds.size)
         )
 
     def _feedback(self, frame: bytes, size: int = 0) -> bytes:
@@ -301,7 +301,7 @@ class LabJackT7(Device):
             try:
                 answer = self._connection.ask(frame)
             except Refused as refusal:
-                detail = self._connection.ask(frame_to_read("LAST_ERR_DETAIL"))
+                detail = self._connection.ask(read_request("LAST_ERR_DETAIL"))
                 code = int.from_bytes(detail, "big")
                 raise Refused(f"{refusal} LabJack's error code is {code}.") from None
         if len(answer) != size:

@@ -209,13 +209,17 @@ def pack_views(views: Sequence[Source]) -> Pack:
     return Pack(np.stack(depths), np.stack(lights), np.array(far))
 
 
-def open_rooms(config: Config, find_tree: Callable[[Rooms], Path]) -> Packs:
+def open_rooms(
+    config: Config, find_tree: Callable[[Rooms], Path] | None = None
+) -> Packs:
     """Frames of a tree to train and to validate on; it is asked for if there are rooms.
 
     Without rooms none to train on, and leaves of a seed of their own.
     """
     if config.rooms is None:
         return None, _pack_of_leaves(config)
+    if find_tree is None:
+        raise ValueError("Expected a way to find the rooms, got none. Pass find_tree.")
     scenes = Hypersim(find_tree(config.rooms))
     train, val = (
         pack_views(scenes.sources(scenes.split()[part])) for part in ("train", "val")

@@ -23,7 +23,7 @@ from torch.utils.data import DataLoader
 
 from cmtof import __version__
 from cmtof.files import atomic_output, exclusive_lock
-from cmtof.frame import read_error
+from cmtof.frame import unreadable_error
 from cmtof.network import weights
 from cmtof.network.data import (
     Batch,
@@ -152,7 +152,7 @@ class Unwrapping(LightningModule):
     def on_train_epoch_end(self) -> None:
         due = (self.current_epoch + 1) % self.config.validate_every == 0
         if due and self.trainer.is_global_zero:
-            found = self.card_fields()["validation"].model_dump()
+            found = self.validate_average()["validation"].model_dump()
             self.curve.append({"step": self.global_step} | found)
         self.trainer.should_stop = time.monotonic() > self.end
         # other processes take part, and write nothing
@@ -195,7 +195,7 @@ class Unwrapping(LightningModule):
                 label = sample.label[scored].cpu().numpy()
                 yield abs(wraps[scored].cpu().numpy() - label), label
 
-    def card_fields(self) -> Fields:
+    def validate_average(self) -> Fields:
         """Fields of a `Card`: rates of averaged weights and of trivial answers, and the gain."""
         ours, labels = zip(*self.errors(), strict=True)
         mode = int(np.bincount(np.concatenate(labels)).argmax())
@@ -237,7 +237,7 @@ def train(
     config: Config,
     folder: Path,
     *,
-    find_tree: Callable[[Rooms], Path] = lambda rooms: Path(),
+    find_tree: Callable[[Rooms], Path] | None = None,
     init: Path | None = None,
     resume: bool = False,
     minutes: float | None = None,
@@ -246,11 +246,12 @@ def train(
 ) -> Path | None:
     """Train, or go on training, and write the averaged weights with their card into a folder.
 
-    ``find_tree`` returns the folder of a configuration's rooms in Hypersim's layout, by default the
-    working folder; it may render them first. ``init`` are weights to begin with, ``resume`` goes on
-    from the folder's checkpoint, and a leg ends at the first checkpoint after some ``minutes``; the
-    ``flags`` are Lightning's: accelerator, devices, num_nodes, strategy. Returned is the file of
-    weights, or None while steps are left. Raises ValueError if another process trains there.
+    ``find_tree`` returns the folder of a configuration's rooms in Hypersim's layout, and may render
+    them first; it is called after ``folder`` is made. ``init`` are weights to begin with,
+    ``resume`` goes on from the folder's checkpoint, and a leg ends at the first checkpoint after
+    some ``minutes``; the ``flags`` are Lightning's: accelerator, devices, num_nodes, strategy.
+    Returned is the file of weights, or None while steps are left. Raises ValueError if another
+    process trains there.
     """
     folder.mkdir(parents=True, exist_ok=True)
     with (
@@ -300,7 +301,7 @@ def _check_checkpoint(last: Path, config: Config, resume: bool) -> None:
         checkpoint = torch.load(last, map_location="cpu", weights_only=True)["cmtof"]
         stored = checkpoint["config"]
     except Exception as error:  # pickle, zipfile and torch raise half a dozen kinds
-        raise read_error("a whole checkpoint", last, error) from error
+        raise unreadable_error("a whole checkpoint", last, error) from error
     if stored != config.model_dump_json():
         raise ValueError(
             f"Expected the configuration of {last}, got another. Choose another folder."
@@ -354,5 +355,5 @@ def _card(module: Unwrapping) -> weights.Card:
         hardware=hardware,
         versions={"cmtof": __version__, "torch": torch.__version__.partition("+")[0]},
         curve=module.curve,
-        **module.card_fields(),
+        **module.validate_average(),
     )

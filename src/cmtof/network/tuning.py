@@ -133,8 +133,7 @@ def _augmented_crop(
     known = label != IGNORED
     move = 0.0
     if not more:  # raw correlations stay where they are
-        far = network.classes - turns[known].max()
-        move = rng.uniform(-turns[known].min(), far)
+        move = rng.uniform(-turns[known].min(), network.classes - turns[known].max())
     ratio = np.array(FREQUENCIES)[:, None, None] / FREQUENCIES[0]
     label = label + np.floor(phase[0] / TAU + move).astype(int)
     label[~known | (label < 0) | (label >= network.classes)] = IGNORED

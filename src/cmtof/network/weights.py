@@ -14,7 +14,7 @@ from numpy.typing import NDArray
 from pydantic import BaseModel, ConfigDict, Field, PositiveInt
 
 from cmtof.files import atomic_output, check_input, read_small_file
-from cmtof.frame import read_error
+from cmtof.frame import unreadable_error
 from cmtof.network.features import CLASSES
 from cmtof.types import Fields, Texts, Values
 from cmtof.validation import checked_values
@@ -166,7 +166,7 @@ def read_weights(path: Path) -> tuple[dict[str, NDArray], Card]:
 
 def weights_error(path: Path, card: Card, error: Exception) -> ValueError:
     """ValueError for weights that cannot be used, with the reason."""
-    return read_error(
+    return unreadable_error(
         f"finite weights of {card.model} that fit their card",
         path,
         error,

@@ -77,7 +77,7 @@ class Placement(NamedTuple):
         factor = right / self.odds
         return self._replace(share=self.share * factor[:, None])
 
-    def moved_surfaces(self, share: Array) -> "Placement":
+    def at_likeliest_moves(self, share: Array) -> "Placement":
         """Surfaces at their likeliest moves from these wraps, by probabilities (N, M) of them."""
         most = share.shape[1] // 2
         best = share.argmax(axis=1)
@@ -188,9 +188,9 @@ def offsets_with_contacts(
     place = np.arange(_OFFSETS.size) - step
     belief = _propagate(alone, source, target, place, np.tile(borders.odds, 2))
     share = softmax(belief, axis=1)
-    alike = Placement(base[:, 0].astype(float), np.zeros(0, int), share).moved_surfaces(
-        share
-    )
+    alike = Placement(
+        base[:, 0].astype(float), np.zeros(0, int), share
+    ).at_likeliest_moves(share)
     return alike._replace(group=groups_of_surfaces(alike.wraps, borders))
 
 
@@ -263,13 +263,13 @@ def groups_of_surfaces(wraps: Array, borders: Borders) -> Numbers:
     return connected_components(graph, directed=False)[1]
 
 
-def components(tied: Placement, borders: Borders, label: Numbers) -> Components:
+def components(placement: Placement, borders: Borders, label: Numbers) -> Components:
     """Components of surfaces that meet, of pixels labelled (H, W) by surface, -1 for none."""
-    group = groups_of_surfaces(tied.wraps, borders)
+    group = groups_of_surfaces(placement.wraps, borders)
     count = group.size
     pixels = np.bincount(label[label >= 0], minlength=count)
-    near = np.abs(tied.moves) <= _FAR
-    share = pixels[:, None] * tied.share[:, near]
+    near = np.abs(placement.moves) <= _FAR
+    share = pixels[:, None] * placement.share[:, near]
     odds = np.zeros((count, 2 * _FAR + 1))
     np.add.at(odds, group, share)
     size = np.bincount(group, pixels, count)

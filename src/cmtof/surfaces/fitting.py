@@ -177,7 +177,7 @@ def _add_row(row, v, g, h, matrix):  # pragma: no cover - compiled
 
 @njit()
 def evaluate_fit(field, region, q, size):  # pragma: no cover - compiled
-    """Look at a surface whose first parameters may change.
+    """Likelihood of a surface, and the step of its first parameters that raises it.
 
     After m wraps and a change dq the phases fit as ``sum K (e + m t - k J dq)^2``; with the best
     dq a parabola in m is left, ``known (m - offset)^2``.

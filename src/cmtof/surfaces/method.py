@@ -76,7 +76,7 @@ class Stages(NamedTuple):
     surfaces: Array  # parameters and roughness (N, 7) before any offset is added
     offsets: placing.Offsets
     borders: contacts.Borders
-    tied: contacts.Placement
+    placement: contacts.Placement
     depth: Array  # of all pixels, m
     confidence: Array
     components: Components  # of the image without its padding
@@ -120,7 +120,7 @@ def stages(
     field = field_from_measurement(measurement)
     if measurement.camera is None:
         without = {"shape", *without}
-    grown = _grow_surfaces(field, without, measurement.camera is not None)
+    grown = _grow_and_cut(field, without, measurement.camera is not None)
     everywhere = grown.label[nearest_pixel(grown.label >= 0)]
     depth = placing.depth_of_labels(field, everywhere, grown.surfaces)
     cells = cells_of_surfaces(
@@ -174,9 +174,7 @@ class GrownSurfaces(NamedTuple):
     distance: Array  # of each pixel from the nearest that lies on a surface (H, W), px
 
 
-def _grow_surfaces(
-    field: Field, without: Collection[str], known: bool
-) -> GrownSurfaces:
+def _grow_and_cut(field: Field, without: Collection[str], known: bool) -> GrownSurfaces:
     """Surfaces grown and cut; with an unknown camera none is rough."""
     gain = np.inf if "bent" in without else GAIN
     # without a camera what a shape lacks would look like roughness
