@@ -70,7 +70,7 @@ def _candidates(phase: Array, measurement: Measurement) -> list[Array | int]:
 
 
 def _confidence(noise: Array, measurement: Measurement) -> Array:
-    """Probability that noise (2, H, W), rad, leaves the wrap right; as a guess at least."""
+    """Probability that noise (2, H, W), rad, leaves the wrap right; no less than a guess."""
     frequencies = measurement.frequencies[:2]
     odds = wrap_probability(*np.clip(noise, 1e-9, 1e9), frequencies=frequencies)
     return np.maximum(odds, guess_probability(measurement))
