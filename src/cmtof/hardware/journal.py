@@ -85,9 +85,8 @@ def resume_journal(path: Path, header: Named, plan: Plan) -> list[LineRecord]:
         ]
     except (ArithmeticError, LookupError, RecursionError, TypeError, ValueError):
         raise broken from None
-    os.truncate(
-        path, sum(len(journal_line(line)) for line in lines)
-    )  # without a torn end
+    # without a torn end
+    os.truncate(path, sum(len(journal_line(line)) for line in lines))
     return records
 
 

@@ -63,9 +63,8 @@ def scan(
             "Go on with --resume, or remove it to begin again."
         )
     if resume and output.exists() and not path.exists():
-        return finished_measurement(
-            output, plan
-        )  # the journal goes when the file is whole
+        # the journal goes when the file is whole
+        return finished_measurement(output, plan)
     mode = None
     with bench() as on:
         header = {
