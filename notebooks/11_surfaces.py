@@ -34,8 +34,9 @@ from cmtof.frame import Frame, held_out_frames, ray_lengths
 from cmtof.pointcloud import points_from_depth
 from cmtof.statistics import reliability
 from cmtof.surfaces import stages
+from cmtof.surfaces.blocks import region_of_boxes
 from cmtof.surfaces.field import field_from_measurement
-from cmtof.surfaces.fitting import refine, region_of_boxes
+from cmtof.surfaces.fitting import refine
 from cmtof.surfaces.shapes import PLANE, depth_of_labels
 from cmtof_book import notes, plotting, views
 from cmtof_book.compared import closed_form, decision, sum_over_draws

@@ -16,7 +16,7 @@ from cmtof.estimate import Estimate, beat_repeats, without_holes, wraps_in_range
 from cmtof.files import AnyPath
 from cmtof.hybrid import hybrid
 from cmtof.measurement import Measurement, tiles
-from cmtof.surfaces import surfaces
+from cmtof.surfaces import surfaces, surfaces_mirrored
 from cmtof.types import Named
 
 MOST_MEMORY = (
@@ -178,6 +178,13 @@ _ALL = (
         one_beat=True,
     ),
     Method("surfaces", "classical", "this project", surfaces, one_beat=True, sets=True),
+    Method(
+        "surfaces-mirrored",
+        "classical",
+        "this project",
+        surfaces_mirrored,
+        one_beat=True,
+    ),
     _network_method(
         "u-net", "Ronneberger et al. 2015", "U-Net, narrowed: segmentation into wraps"
     ),

@@ -10,8 +10,9 @@ from cmtof.correlation import phase_from_depth, wrap_length
 from cmtof.frame import Frame, rays_from_camera
 from cmtof.measurement import Measurement
 from cmtof.surfaces.field import CELL, field_from_measurement
+from cmtof.surfaces.fitting import move_surface
 from cmtof.surfaces.placing import Offsets
-from cmtof.surfaces.shapes import BENT, move_surface
+from cmtof.surfaces.shapes import BENT
 
 SHAPE = (128, 160)
 CAMERA = (140.0, 138.0, 81.0, 62.5)
@@ -102,10 +103,9 @@ def exact_field(depth, *, information=100.0, noise_of=None, camera=CAMERA):
     if noise_of is not None:
         real, imaginary = noise_of.normal(size=(2, *told.shape))
         phasor += real + 1j * imaginary
-    weighted = (size * phasor).astype(np.complex64)
+    phasor *= size
     return field._replace(
-        real=weighted.real.copy(),
-        imaginary=weighted.imag.copy(),
+        phasor=phasor.astype(np.complex64),
         information=told,
     )
 
@@ -126,7 +126,13 @@ def meeting_planes():
     left, q = plane_depth((0.3, 0, 1))
     right, p = plane_depth((-0.3, 0, 1))
     field = exact_field(np.maximum(left, right))
-    aside, _ = move_surface(field, p, whole_boxes(), BENT, 3 * WRAP)
+    aside, _ = move_surface(
+        field,
+        p,
+        whole_boxes(),
+        BENT,
+        3 * WRAP,
+    )
     return field, np.stack([q, aside])
 
 

@@ -16,7 +16,8 @@ from numpy.testing import assert_allclose, assert_array_equal
 from pytest import approx, mark
 
 from cmtof.surfaces import contacts
-from cmtof.surfaces.shapes import BENT, move_surface
+from cmtof.surfaces.fitting import move_surface
+from cmtof.surfaces.shapes import BENT
 
 REPEAT = 357.5  # wraps
 SURE = 0.99

@@ -8,19 +8,17 @@ from exact_scenes import (
     unit_rays,
     whole_boxes,
 )
-from numpy.testing import assert_allclose
 from pytest import approx, fixture, mark
 
 from cmtof.surfaces import fitting
+from cmtof.surfaces.blocks import Region, cell_likelihood, region_of_boxes
 from cmtof.surfaces.fitting import (
-    Region,
-    cell_likelihood,
     evaluate_fit,
     fit_plane_or_bent,
+    move_surface,
     refine,
-    region_of_boxes,
 )
-from cmtof.surfaces.shapes import BENT, PLANE, depth_at, move_surface
+from cmtof.surfaces.shapes import BENT, PLANE, depth_at
 
 SHAPE = (64, 80)
 CENTRED = (140.0, 138.0, 41.0, 31.5)
@@ -55,9 +53,9 @@ def depth_of(field, q):
 
 
 def likelihood(field, q, chosen=True):
-    phasor = field.real + 1j * field.imaginary
     turn = field.wavenumber[:, None, None] * depth_of(field, q)
-    return np.sum((phasor * np.exp(-1j * turn)).real, where=chosen)
+    turned = field.phasor * np.exp(-1j * turn)
+    return np.sum(turned.real, where=chosen)
 
 
 def test_sums_are_those_of_the_likelihood(rng):
@@ -76,25 +74,29 @@ def test_sums_are_those_of_the_likelihood(rng):
 
 
 def test_information_is_that_of_the_derivatives(steep):
+    """To two percent, for the derivatives are those in the middle of blocks."""
     depth, q, field = steep
     *_, found = fitting._moments(field, WHOLE, q)
-    slopes = -(depth**2) * field.cosine * functions(field)
-    slopes = slopes.reshape(BENT, -1)
-    told = np.tensordot(field.wavenumber**2, field.information, 1)
-    matrix = slopes * told.ravel() @ slopes.T
-    assert_allclose(found, np.tril(matrix), rtol=1e-5, atol=1e-3)
+    slopes = depth**2 * field.cosine * functions(field)
+    told = field.information
+    k = field.wavenumber
+    matrix = np.einsum("iyx,fyx,f,jyx", slopes, told, k**2, slopes)
+    size = np.sqrt(np.diag(matrix))
+    off = (found - np.tril(matrix)) / size / size[:, None]
+    assert np.abs(off).max() < 0.02
 
 
 def test_the_gradient_is_that_of_the_likelihood(steep, rng):
+    """To two percent and a third of its noise."""
     _, q, field = steep
     q += 1e-4 * rng.normal(size=BENT)
     _, gradient, _, found = fitting._moments(field, WHOLE, q)
-    steps = 1e-6 * np.eye(BENT)
+    steps = np.eye(BENT) / 1e6
     ahead = [likelihood(field, q + step) for step in steps]
     behind = [likelihood(field, q - step) for step in steps]
     slope = np.subtract(ahead, behind) / 2e-6
     noise = np.sqrt(np.diag(found))
-    assert (abs(gradient - slope) < 1e-4 * abs(slope) + 1e-3 * noise).all()
+    assert (abs(gradient - slope) < 0.02 * abs(slope) + noise / 3).all()
 
 
 def misses(field, q, depth):
@@ -132,7 +134,14 @@ def test_planes_are_called_planes(normal, turns, rng):
     field = field_of(depth, information=20.0, noise_of=rng)
     few = BOXES[np.abs(BOXES[:, [0, 2]] - (28, 36)).max(axis=1) < 16]
     start = move_surface(field, q, few, BENT, 0.0, 0, turns)[0] if turns else q
-    fit, *_ = fit_plane_or_bent(field, region_of_boxes(few), start, 6, 15.0, 1.0)
+    fit, *_ = fit_plane_or_bent(
+        field,
+        region_of_boxes(few),
+        start,
+        6,
+        15.0,
+        1.0,
+    )
     assert not fit.q[3:].any()
     assert misses(field, fit.q, depth)[1] < 5e-4
 

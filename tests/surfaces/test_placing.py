@@ -15,10 +15,11 @@ from numpy.testing import assert_allclose
 from pytest import approx, mark
 
 from cmtof.surfaces import placing
+from cmtof.surfaces.blocks import region_of_boxes
 from cmtof.surfaces.field import CELL
-from cmtof.surfaces.fitting import change_by_a_wrap, region_of_boxes
+from cmtof.surfaces.fitting import change_by_a_wrap, move_surface
 from cmtof.surfaces.roughness import cells_of_surfaces
-from cmtof.surfaces.shapes import PLANE, move_surface
+from cmtof.surfaces.shapes import PLANE
 
 INNER = np.zeros(SHAPE, np.int32)
 BOXES = whole_boxes()

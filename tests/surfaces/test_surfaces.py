@@ -10,7 +10,9 @@ from cmtof.constants import FREQUENCIES
 from cmtof.frame import Frame
 from cmtof.measurement import Measurement
 from cmtof.simulation import simulate
-from cmtof.surfaces import stages
+from cmtof.surfaces import stages, surfaces_mirrored
+from cmtof.surfaces.method import STEPS
+from cmtof.surfaces.mirrored import mirror_image
 
 
 def unwrapped(measurement):
@@ -43,7 +45,7 @@ def test_the_corner_without_noise_is_exact_whatever_is_left_out(
 ):
     # what is left are single pixels along the edges
     assert np.mean(np.abs(clean[1] - corner.frame.depth) < 1e-4) >= 0.995
-    for option in ("bent", "parts", "shape", "axes", "ties", "fill"):
+    for option in STEPS:
         assert right(clean_corner, without=[option]) > 0.99
 
 
@@ -66,8 +68,9 @@ def test_a_wide_plane_is_right_in_the_papers_noise():
 def test_reference_phases_and_units_do_not_matter(corner, clean_corner, clean):
     psi = 2 * np.pi * np.arange(5) / 5 + 1.7
     other = simulate(corner.frame, protocol="full", noise_free=True, psi=psi)
-    data = clean_corner.dataset
-    scaled = Measurement(data.assign(correlation=100 * data["correlation"]))
+    data = clean_corner.dataset.copy()
+    data["correlation"] *= 100
+    scaled = Measurement(data)
     for m in (other, scaled):
         assert np.mean(unwrapped(m)[0] == clean[0]) > 0.999
 
@@ -78,10 +81,14 @@ def test_turned_and_mirrored_images_have_turned_answers(clean_corner, clean):
     turned = data.rename(y="x", x="y").transpose("frequency", "step", "y", "x", ...)
     turned["camera"] = data["camera"][[1, 0, 3, 2]]
     assert np.mean(clean[0] == unwrapped(Measurement(turned))[0].T) >= 0.98
-    mirrored = data.isel(x=slice(None, None, -1))
-    mirrored["camera"] = data["camera"] * [1, 1, -1, 1] + [0, 0, SHAPE[1], 0]
-    found = unwrapped(Measurement(mirrored))[0]
+    found = unwrapped(mirror_image(clean_corner, 1, -1))[0]
     assert np.mean(found[:, ::-1] == clean[0]) >= 0.98
+
+
+def test_the_vote_is_the_same_for_a_mirror_image(corner):
+    m = simulate(corner.frame)
+    found = surfaces_mirrored(mirror_image(m, -1, -1)).depth
+    assert np.allclose(found[::-1, ::-1], surfaces_mirrored(m).depth)
 
 
 def test_components_are_bodies_whose_surfaces_meet(clean_corner):

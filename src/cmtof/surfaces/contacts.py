@@ -127,10 +127,11 @@ def _jumps(
     field: Field, label: Numbers, surfaces: Array, pairs: Numbers, at: Numbers
 ) -> Array:
     """By how much the first of two surfaces lies behind at a border (C,), wraps, and its slope."""
-    place = np.divmod(at, label.shape[1])
-    first = depth_of_pixels(field, surfaces, pairs[0], *place)
-    second = depth_of_pixels(field, surfaces, pairs[1], *place)
-    one, other = first - second  # on this side of the border and on the other
+    # on this side of the border and on the other
+    one, other = (
+        np.subtract(*(depth_of_pixels(field, surfaces, n, *place) for n in pairs))
+        for place in zip(*np.divmod(at, label.shape[1]), strict=True)
+    )
     here, beyond = _departures(field, label, surfaces)[at]
     jump = (one + other) / 2 / field.period + here - beyond
     slope = np.abs(one - other) / field.period

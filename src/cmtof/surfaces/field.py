@@ -15,7 +15,7 @@ from cmtof.constants import SPEED_OF_LIGHT
 from cmtof.correlation import TAU
 from cmtof.estimate import hidden_noise, seen_noise
 from cmtof.measurement import Measurement
-from cmtof.types import Array, Flags, Numbers, Pair
+from cmtof.types import Array, Complex, Flags, Numbers, Pair
 
 CELL = 8  # side, px, of the cells in which surfaces grow
 ENOUGH = 60.0  # information from which on what moves both phases alike is known
@@ -29,8 +29,7 @@ _SCALES = ((1.5, 1.0), (4.0, 0.15), (12.0, 0.0))
 class Field(NamedTuple):
     """Weighted phasors on a grid of whole cells; padding and unknown pixels weigh nothing."""
 
-    real: Array  # of P at both frequencies (2, H, W)
-    imaginary: Array
+    phasor: Complex  # P at both frequencies (2, H, W)
     information: Array  # K (2, H, W): one over the variance of each phase, 1 / rad^2
     wavenumber: Array  # k (2,), rad / m
     turns: Array  # that one wrap of the lower frequency adds, in whole turns, rad
@@ -77,9 +76,11 @@ def field_from_measurement(measurement: Measurement) -> Field:
     u = (np.arange(columns) + 0.5 - lens[2]) / lens[0]
     v = (np.arange(rows) + 0.5 - lens[3]) / lens[1]
     wavenumber = 2 * TAU * measurement.frequencies[:2] / SPEED_OF_LIGHT
+    phasor, information = _weighted_phasors(measurement)
     return Field(
-        *np.pad(_weighted_phasors(measurement), ((0, 0), *padding)),
-        wavenumber,  # pyright: ignore[reportCallIssue]
+        np.pad(phasor, padding),
+        np.pad(information, padding),
+        wavenumber,
         turns=TAU * np.rint(wavenumber / wavenumber[0]),
         u=u,
         v=v,
@@ -89,8 +90,8 @@ def field_from_measurement(measurement: Measurement) -> Field:
     )
 
 
-def _weighted_phasors(measurement: Measurement) -> Array:
-    """Real and imaginary part of P, and K: (3, 2, H, W)."""
+def _weighted_phasors(measurement: Measurement) -> tuple[Complex, Array]:
+    """P and K, (2, H, W) each."""
     phase = measurement.phase[:2].astype(float)
     spread = seen_noise(measurement)
     known = np.isfinite([phase, measurement.amplitude[:2], spread]).all(axis=(0, 1))
@@ -104,8 +105,8 @@ def _weighted_phasors(measurement: Measurement) -> Array:
     left = 1 / (1 + information * hidden_noise(measurement, spread) ** 2)
     size *= left
     information = information * left
-    images = [size * np.cos(turned), size * np.sin(turned), information]
-    return np.array(images, np.float32)
+    phasor = size * np.exp(1j * turned)
+    return phasor.astype(np.complex64), information.astype(np.float32)
 
 
 def _smooth_power(power: Array, known: Flags) -> Array:

@@ -1,4 +1,4 @@
-"""Compiled loops (Numba): likelihood of a surface over cells and over rectangles, and its fit."""
+"""Compiled loops (Numba): fits of surfaces to the phasors of their pixels."""
 
 from typing import NamedTuple
 
@@ -6,14 +6,19 @@ import numpy as np
 
 from cmtof.compiled import njit
 from cmtof.correlation import TAU
+from cmtof.surfaces.blocks import (
+    SIDE,
+    Region,
+    block_sums,
+    blocks_of_boxes,
+    depths_of_blocks,
+    functions_of_blocks,
+)
 from cmtof.surfaces.field import CELL, Field
 from cmtof.surfaces.shapes import (
     BENT,
-    FARTHEST,
     PLANE,
-    depth_at,
     is_possible,
-    move_surface,
     solve,
 )
 from cmtof.types import Array, Numbers
@@ -22,17 +27,6 @@ from cmtof.types import Array, Numbers
 HOPS = np.int64(60)  # largest hop, wraps
 ASTRAY = 0.2  # distance, wraps (rms), of a plane from a bent surface from which on it is not tried
 FLAT = 5e-5  # a surface counts as bent if a plane misses it by more, m (rms), and it gains in S
-
-_U = np.array([1, 0, 0, 2, 1, 0])  # powers of u of the six functions
-_V = np.array([0, 1, 0, 0, 1, 2])
-
-
-class Region(NamedTuple):
-    """Pixels that a fit looks at: those of one surface in some rectangles."""
-
-    boxes: Numbers  # (B, 4): top, bottom, left and right of each
-    label: Numbers  # surface of each pixel (H, W)
-    only: np.int64  # this one, every pixel counts if it is < 0
 
 
 class Fit(NamedTuple):
@@ -47,132 +41,65 @@ class Fit(NamedTuple):
 
 
 @njit()
-def region_of_boxes(boxes):  # pragma: no cover - compiled
-    """Region of every pixel of rectangles."""
-    return Region(boxes, np.zeros((1, 1), np.int32), np.int64(-1))
-
-
-@njit(inline="always")
-def _turn(turns):  # pragma: no cover - compiled
-    """Cosine and sine of an angle in turns, to 2e-8: Taylor series on a quarter turn each side."""
-    whole = np.floor(2 * turns + 0.5)
-    x = (turns - 0.5 * whole) * TAU
-    odd = 1.0 - 2.0 * (whole - 2.0 * np.floor(0.5 * whole))
-    y = x * x
-    # quotients of literals are factors already when this is compiled
-    c = 1 / 40320 - y * (1 / 3628800 - y * (1 / 479001600))
-    c = 1 / 24 - y * (1 / 720 - y * c)
-    c = 1 - y * (1 / 2 - y * c)
-    s = 1 / 5040 - y * (1 / 362880 - y * (1 / 39916800))
-    s = 1 / 6 - y * (1 / 120 - y * s)
-    s = x * (1 - y * s)
-    return odd * c, odd * s
-
-
-@njit(inline="always")
-def pixel_likelihood(field, q, y, x):  # pragma: no cover - compiled
-    """S of a surface at one pixel."""
-    z = depth_at(field, q, y, x)
-    total = 0.0
-    for f in range(2):
-        c, s = _turn(field.wavenumber[f] / TAU * z)
-        total += field.real[f, y, x] * c
-        total += field.imaginary[f, y, x] * s
-    return total
+def _moments(field, region, q):  # pragma: no cover - compiled
+    """Sums over rectangles: S, E, b, c (4,), g (6,), h (6,), and the lower half of M (6, 6)."""
+    places = blocks_of_boxes(region.boxes)
+    total, known = block_sums(field, region, q, places)
+    functions = functions_of_blocks(field, places)
+    change = -(depths_of_blocks(q, functions) ** 2) * functions  # of the depth
+    k = field.wavenumber
+    turns = field.turns
+    sums = np.zeros(4)
+    g = np.zeros(BENT)
+    h = np.zeros(BENT)
+    for n in range(len(places)):
+        pull = both = 0.0
+        for f in range(2):
+            error = total[f, n].imag
+            information = known[f, n]
+            sums[0] += total[f, n].real
+            sums[1] += information
+            sums[2] += error * turns[f]
+            sums[3] += information * turns[f] * turns[f]
+            pull += error * k[f]
+            both += information * turns[f] * k[f]
+        for i in range(BENT):
+            g[i] += pull * change[i, n]
+            h[i] += both * change[i, n]
+    bend = known[0] * k[0] ** 2 + known[1] * k[1] ** 2
+    return sums, g, h, _products(bend * change, change)
 
 
 @njit()
-def cell_likelihood(field, q, row, column):  # pragma: no cover - compiled
-    """S of a surface over one cell."""
-    total = 0.0
-    for y in range(row * CELL, row * CELL + CELL):
-        for x in range(column * CELL, column * CELL + CELL):
-            total += pixel_likelihood(field, q, y, x)
-    return total
-
-
-@njit()
-def frequency_sums(field, q, boxes):  # pragma: no cover - compiled
-    """S of both frequencies (2,) over rectangles, then E of both (2,)."""
-    out = np.zeros((2, 2))
-    for top, bottom, left, right in boxes:
-        for y in range(top, bottom):
-            for x in range(left, right):
-                turns = depth_at(field, q, y, x) / TAU
-                for f in range(2):
-                    at = (f, y, x)
-                    c, s = _turn(field.wavenumber[f] * turns)
-                    out[0, f] += field.real[at] * c + field.imaginary[at] * s
-                    out[1, f] += field.information[at]
+def _products(some, others):  # pragma: no cover - compiled
+    """Lower half of the matrix (6, 6) of scalar products of vectors (6, N)."""
+    out = np.zeros((BENT, BENT))
+    for n in range(some.shape[1]):
+        for i in range(BENT):
+            for j in range(i + 1):
+                out[i, j] += some[i, n] * others[j, n]
     return out
 
 
 @njit()
-def _moments(field, region, q):  # pragma: no cover - compiled
-    """Sums over rectangles: S, E, b, c (4,), g (6,), h (6,), and the lower half of M (6, 6)."""
-    sums = np.zeros(4)
-    g = np.zeros(BENT)
-    h = np.zeros(BENT)
-    matrix = np.zeros((BENT, BENT))
-    row = np.empty((3, 5))  # sums of g, h and M along a row, by powers of u
-    for top, bottom, left, right in region.boxes:
-        for y in range(top, bottom):
-            v = field.v[y]
-            first = q[0] + q[4] * v
-            none = q[2] + q[1] * v + q[5] * v * v
-            row[:] = 0.0
-            likelihood = most = b = c = 0.0
-            for x in range(left, right):
-                if region.only >= 0 and region.label[y, x] != region.only:
-                    continue
-                u = field.u[x]
-                across = (1.0, u, u * u)
-                axial = field.cosine[y, x]
-                z = 1.0 / max(axial * (none + u * (first + q[3] * u)), FARTHEST)
-                slope = -z * z * axial
-                total = pull = stiff = by_depth = by_both = by_turns = 0.0
-                for f in range(2):
-                    k = field.wavenumber[f]
-                    turns = field.turns[f]
-                    at = (f, y, x)
-                    real = field.real[at]
-                    imaginary = field.imaginary[at]
-                    information = np.float64(field.information[at])
-                    cosine, sine = _turn(k / TAU * z)
-                    likelihood += real * cosine + imaginary * sine
-                    error = imaginary * cosine - real * sine
-                    total += information
-                    pull += error * turns
-                    stiff += information * turns * turns
-                    by_depth += error * k
-                    by_both += information * turns * k
-                    by_turns += information * k * k
-                most += total
-                b += pull
-                c += stiff
-                for i in range(3):
-                    row[0, i] += by_depth * slope * across[i]
-                    row[1, i] += by_both * slope * across[i]
-                    row[2, i] += by_turns * slope * slope * across[i]
-                for i in (1, 2):
-                    row[2, 2 + i] += by_turns * slope * slope * across[i] * across[2]
-            for i, value in enumerate((likelihood, most, b, c)):
-                sums[i] += value
-            _add_row(row, v, g, h, matrix)
-    return sums, g, h, matrix
+def move_surface(field, q, boxes, size, distance, down=0, right=0):  # pragma: no cover
+    """Nearest surface to this one moved, by m and by wraps per pixel; their distance, m (rms)."""
+    places = blocks_of_boxes(boxes[:: max(1, len(boxes) // 100)])
+    functions = functions_of_blocks(field, places)
+    turned = down * _from_middle(places[:, 0]) + right * _from_middle(places[:, 1])
+    z = depths_of_blocks(q, functions) + distance + field.period * turned
+    z = np.maximum(z, 0.05)
+    change = z * z * functions
+    wanted = (z * change).sum(axis=1)
+    found = solve(_products(change, change), wanted, size)
+    missed = np.sum(z * z) - np.sum(found * wanted)
+    return found, np.sqrt(max(missed, 0.0) / z.size)
 
 
 @njit()
-def _add_row(row, v, g, h, matrix):  # pragma: no cover - compiled
-    """Add the sums of a row, by powers of u, to those by the six functions."""
-    below = (1.0, v, v * v)
-    for i in range(BENT):
-        up = below[_V[i]]
-        u = _U[i]
-        g[i] += up * row[0, u]
-        h[i] += up * row[1, u]
-        for j in range(i + 1):
-            matrix[i, j] += up * below[_V[j]] * row[2, u + _U[j]]
+def _from_middle(first):  # pragma: no cover - compiled
+    """Distance (N,), px, of the middle of blocks from a pixel in the middle of them all."""
+    return first - np.rint(first.mean()) + (SIDE - 1) / 2
 
 
 @njit()

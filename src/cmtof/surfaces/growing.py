@@ -5,18 +5,11 @@ from typing import NamedTuple
 import numpy as np
 
 from cmtof.compiled import njit
+from cmtof.surfaces.blocks import cell_likelihood, frequency_sums, region_of_boxes
 from cmtof.surfaces.field import CELL, Field, pixels_of_cells
-from cmtof.surfaces.fitting import (
-    BENT,
-    boxes_of_cells,
-    cell_likelihood,
-    fit_plane_or_bent,
-    fit_surfaces,
-    frequency_sums,
-    is_possible,
-    region_of_boxes,
-)
+from cmtof.surfaces.fitting import boxes_of_cells, fit_plane_or_bent, fit_surfaces
 from cmtof.surfaces.roughness import sum_cells
+from cmtof.surfaces.shapes import BENT, is_possible
 from cmtof.surfaces.windows import FREE, WINDOWS, plane_in_window, windows
 from cmtof.types import Array, Numbers
 

@@ -283,7 +283,7 @@ def depth_by_votes(
     if not asked.any():
         return np.full(depth.shape, np.nan), np.zeros(depth.shape)
     step = abs(field.excess)  # of the misfit from wrap to wrap, turns
-    low, high = np.arctan2(field.imaginary, field.real).astype(float) / TAU
+    low, high = np.angle(field.phasor).astype(float) / TAU
     # a quarter of it at least: without noise all other wraps would be ruled out
     spread = np.maximum(np.where(np.isfinite(doubt), doubt, 1.0), 0.25) * (TAU * step)
     ballot = Ballot(

@@ -12,8 +12,8 @@ from scipy.ndimage import maximum_filter, minimum_filter, uniform_filter
 
 from cmtof.compiled import njit
 from cmtof.correlation import TAU
+from cmtof.surfaces.blocks import pixel_likelihood
 from cmtof.surfaces.field import CELL, ENOUGH, Field
-from cmtof.surfaces.fitting import pixel_likelihood
 from cmtof.surfaces.growing import owners_around
 from cmtof.surfaces.roughness import (
     Cells,

@@ -68,9 +68,8 @@ def _blocks(images: NDArray, side: int) -> NDArray:
 
 def turn_back(field: Field, depth: Array) -> NDArray:
     """Phasors (2, H, W) turned back by a depth (H, W), m."""
-    phasors = field.real + 1j * field.imaginary
     wavenumber = field.wavenumber[:, None, None]
-    return phasors * np.exp(-1j * wavenumber * depth)
+    return field.phasor * np.exp(-1j * wavenumber * depth)
 
 
 def sum_cells(images: Array, side: int = CELL) -> Array:
@@ -132,20 +131,24 @@ def departure(field: Field, turned: Array, variance: Array) -> Array:
     From phasors (2, H, W) turned back by it; a Gaussian of this ``variance`` (H, W), rad^2, that
     moves both frequencies alike.
     """
+    out = np.zeros(variance.shape)
+    rough = variance > 0
+    phasors = turned[:, rough]
+    variance = variance[rough]
     multiple = field.multiple
-    lower, higher = field.information
-    known = variance * (lower + multiple**2 * higher)
-    across = gaussian_filter(turned[0].imag, _NEAR)
-    along = gaussian_filter(turned[0].real, _NEAR)
-    out = known / (1 + known) * np.arctan2(across, along)
+    information = field.information[:, rough]
+    known = variance * (information[0] + multiple**2 * information[1])
+    near = gaussian_filter(turned[0], _NEAR)[rough]
+    found = known / (1 + known) * np.angle(near)
     for _ in range(_TURNS):
-        low, high = turn_both_back(field, turned, out).imag
-        pull = variance * (low + multiple * high) - out
-        out += pull / (1 + known)
-    return np.clip(out, -np.pi, np.pi)
+        low, high = turn_both_back(field, phasors, found).imag
+        pull = variance * (low + multiple * high) - found
+        found += pull / (1 + known)
+    out[rough] = np.clip(found, -np.pi, np.pi)
+    return out
 
 
 def turn_both_back(field: Field, phasors: Array, departure: Array) -> Array:
     """Phasors (2, ...) turned back by a phase (...), rad at the lower frequency, of both alike."""
-    angle = np.multiply.outer((1, field.multiple), departure)
-    return phasors * np.exp(-1j * angle)
+    low = np.exp(-1j * departure)
+    return phasors * [low, low**field.multiple]

@@ -1,4 +1,4 @@
-"""Planes and bent surfaces: their depth, and the nearest one to depths.
+"""Planes and bent surfaces: their depth, and equations of their parameters.
 
 A surface is ``1 / z = cosine (q_0 u + q_1 v + q_2 + q_3 u^2 + q_4 u v + q_5 v^2)``; a plane has
 none of the last three.
@@ -37,19 +37,13 @@ def depth_of_labels(field: Field, label: Numbers, surfaces: Array) -> Array:
     return out
 
 
-def depth_of_pixels(
-    field: Field, surfaces: Array, which: Numbers, y: Numbers, x: Numbers
-) -> Array:
+@njit()
+def depth_of_pixels(field, surfaces, which, y, x):  # pragma: no cover - compiled
     """Depth (P,), m, of surfaces by their number (P,) at pixels (P,)."""
-    q = surfaces[which].T
-    u = field.u[x]
-    v = field.v[y]
-    inverse = q[0] * u + q[1] * v + q[2]
-    inverse += q[3] * u * u
-    inverse += q[4] * u * v
-    inverse += q[5] * v * v
-    inverse *= field.cosine[y, x]
-    return 1 / np.maximum(inverse, FARTHEST)
+    out = np.empty(which.size)
+    for n in range(which.size):
+        out[n] = depth_at(field, surfaces[which[n]], y[n], x[n])
+    return out
 
 
 @njit(inline="always")
@@ -58,67 +52,6 @@ def is_possible(field, q, boxes):  # pragma: no cover - compiled
     z = depth_at(field, q, boxes[0, 0], boxes[0, 2])
     farthest = field.limits[1]
     return 0.02 * farthest < z < 2 * farthest
-
-
-@njit()
-def move_surface(field, q, boxes, size, distance, down=0, right=0):  # pragma: no cover
-    """Nearest surface to this one moved, by m and by wraps per pixel; their distance, m (rms)."""
-    points = _every_third(boxes[:: max(1, len(boxes) // 100)])
-    middle = (np.mean(boxes[:, :2]), np.mean(boxes[:, 2:]))
-    z = np.empty(len(points))
-    for n, (y, x) in enumerate(points):
-        move = distance + field.period * (
-            down * (y - middle[0]) + right * (x - middle[1])
-        )
-        inverse = np.sum(q * _functions(field, y, x))
-        inverse *= field.cosine[y, x]
-        z[n] = max(1 / max(inverse, FARTHEST) + move, 0.05)
-    return _surface_through(field, points, z, size)
-
-
-@njit()
-def _every_third(boxes):  # pragma: no cover - compiled
-    """Row and column of every third pixel, down and across, of rectangles."""
-    points = []
-    for top, bottom, left, right in boxes:
-        for y in range(top, bottom, 3):
-            for x in range(left, right, 3):
-                points.append((y, x))
-    return points
-
-
-@njit()
-def _functions(field, y, x):  # pragma: no cover - compiled
-    """The six functions of a surface at a pixel."""
-    u = field.u[x]
-    v = field.v[y]
-    return np.array([u, v, 1.0, u * u, u * v, v * v])
-
-
-@njit()
-def _surface_through(field, points, z, size):  # pragma: no cover - compiled
-    """Surface nearest to depths (P,), m, at points, and its distance, m (rms)."""
-    matrix, wanted = _normal_equations(field, points, z, size)
-    q = solve(matrix, wanted, size)
-    missed = np.sum(z * z) - np.sum(q * wanted)
-    return q, np.sqrt(max(missed, 0.0) / z.size)
-
-
-@njit()
-def _normal_equations(field, points, z, size):  # pragma: no cover - compiled
-    """Lower half of the matrix (6, 6) and right side (6,) of the fit to depths at points."""
-    matrix = np.zeros((BENT, BENT))
-    wanted = np.zeros(BENT)
-    for n, (y, x) in enumerate(points):
-        basis = _functions(field, y, x)
-        cosine = field.cosine[y, x]
-        weight = z[n] ** 4 * cosine**2
-        for i in range(size):
-            weighted = weight * basis[i]
-            wanted[i] += weighted / (z[n] * cosine)
-            for j in range(i + 1):
-                matrix[i, j] += weighted * basis[j]
-    return matrix, wanted
 
 
 @njit()

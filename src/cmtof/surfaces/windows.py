@@ -10,8 +10,9 @@ from scipy.fft import fft, fftfreq, next_fast_len
 
 from cmtof.compiled import njit
 from cmtof.correlation import TAU
+from cmtof.surfaces.blocks import SIDE, region_of_boxes
 from cmtof.surfaces.field import CELL, Field
-from cmtof.surfaces.fitting import refine, region_of_boxes
+from cmtof.surfaces.fitting import refine
 from cmtof.surfaces.shapes import BENT, PLANE
 from cmtof.types import Array, Flags, Numbers
 
@@ -74,8 +75,7 @@ def spectral_slopes(
     """Slopes (2, N) down and right, rad/px, at the joint peak of both spectra of each square."""
     size = next_fast_len(finer * side)
     slopes = np.empty((2, top.size))
-    phasors = (field.real + 1j * field.imaginary).astype(np.complex64)
-    squares = sliding_window_view(phasors, (side, side), axis=(1, 2))
+    squares = sliding_window_view(field.phasor, (side, side), axis=(1, 2))
     batch = max(1, 2**19 // size**2)  # spectra that stay in the cache  # pyright: ignore[reportOperatorIssue]
     for start in range(0, top.size, batch):
         some = slice(start, start + batch)
@@ -94,7 +94,8 @@ def _peaks(squares: Array, size: int, ratio: float) -> Array:
     low, high = spectrum.real**2 + spectrum.imag**2  # pyright: ignore[reportAttributeAccessIssue]
     moved = high[:, higher[:, None], higher]
     joint = low + moved
-    best = joint.reshape(-1, size**2).argmax(axis=1)
+    joint = joint.reshape(-1, size**2)
+    best = joint.argmax(axis=1)
     peak = np.array(np.divmod(best, size))
     return TAU * whole[peak] / size
 
@@ -163,15 +164,14 @@ def _beats(field, window, information):  # pragma: no cover - compiled
 def _sums_of_aliases(beats, excess, side):  # pragma: no cover - compiled
     """Sum of the beats of blocks for each alias (A, A): turned back by its whole turns."""
     aliases = np.arange(-_ALIASES, _ALIASES + 1)
-    out = np.zeros((aliases.size, aliases.size), np.complex128)
-    block = side // len(beats)
-    for place, beat in np.ndenumerate(beats):
-        y = (place[0] + 0.5) * block - 0.5 - side // 2
-        x = (place[1] + 0.5) * block - 0.5 - side // 2
-        for a, down in enumerate(aliases):
-            for b, right in enumerate(aliases):
-                turn = excess * (down * y + right * x)
-                out[a, b] += beat * np.exp(-1j * turn)
+    out = np.empty((aliases.size, aliases.size), np.complex128)
+    count = len(beats)
+    middle = (np.arange(count) + 0.5) * (side // count) - 0.5 - side // 2
+    below = middle.reshape(count, 1)
+    for a, down in enumerate(aliases):
+        for b, right in enumerate(aliases):
+            turn = excess * (down * below + right * middle)
+            out[a, b] = np.sum(beats * np.exp(-1j * turn))
     return out
 
 
@@ -179,32 +179,17 @@ def _sums_of_aliases(beats, excess, side):  # pragma: no cover - compiled
 def _blocks(field, window, count):  # pragma: no cover - compiled
     """Sums of both phasors over count x count blocks of a window, turned back by its slope."""
     top, left, side, down, right = window
-    rows = slice(top, top + side)
-    columns = slice(left, left + side)
-    sums = np.zeros((2, count, count), np.complex128)
+    ramp = np.arange(side) - side // 2
+    sums = np.empty((2, count, count), np.complex128)
     for f in range(2):
         ratio = field.wavenumber[f] / field.wavenumber[0]
-        real = field.real[f, rows, columns]
-        imaginary = field.imaginary[f, rows, columns]
-        _add_blocks(sums[f], real, imaginary, ratio * down, ratio * right)
+        along = np.exp(-1j * ratio * down * ramp)
+        across = np.exp(-1j * ratio * right * ramp)
+        turned = field.phasor[f, top : top + side, left : left + side] * across
+        turned *= along.reshape(side, 1)
+        turned = turned.reshape(count, side // count, count, side // count)
+        sums[f] = turned.sum(axis=3).sum(axis=1)
     return sums
-
-
-@njit()
-def _add_blocks(sums, real, imaginary, down, right):  # pragma: no cover - compiled
-    """Add the phasors of a square to its blocks, turned back by a slope, rad/px."""
-    side = len(real)
-    block = side // len(sums)
-    across = np.exp(-1j * right * (np.arange(side) - side // 2))
-    for y in range(side):
-        turn = np.exp(-1j * down * (y - side // 2))
-        for j in range(len(sums)):
-            start = j * block
-            part = 0j
-            for x in range(start, start + block):
-                phasor = complex(real[y, x], imaginary[y, x])
-                part += phasor * across[x]
-            sums[y // block, j] += part * turn
 
 
 @njit()
@@ -233,7 +218,7 @@ def _climb_outwards(field, q, window):  # pragma: no cover - compiled
     And whether it got there.
     """
     top, left, side, _, _ = window
-    core = 6
+    core = 2 * SIDE
     while True:
         core = min(core, side)
         there = core == side
@@ -247,4 +232,4 @@ def _climb_outwards(field, q, window):  # pragma: no cover - compiled
             if there or fit.likelihood < 0.4 * fit.most:
                 return fit, there
             q = fit.q
-        core = int(core * 1.5)
+        core += core // 2 // SIDE * SIDE

@@ -1,0 +1,145 @@
+"""Compiled loops (Numba): phasors turned back by a surface, summed over blocks of pixels.
+
+Within a block the depth of all pixels changes nearly alike with each parameter of a surface, so
+that its derivatives are taken in the middle. Every step has a loop of its own over the pixels of a
+block, so that the processor works on several of them at once.
+"""
+
+from typing import NamedTuple
+
+import numpy as np
+
+from cmtof.compiled import njit
+from cmtof.correlation import TAU
+from cmtof.surfaces.field import CELL
+from cmtof.surfaces.shapes import BENT, FARTHEST, depth_at
+from cmtof.types import Numbers
+
+SIDE = 4  # of a block, px, by which sides of rectangles are divisible
+
+
+class Region(NamedTuple):
+    """Pixels that a fit looks at: those of one surface in some rectangles."""
+
+    boxes: Numbers  # (B, 4): top, bottom, left and right of each
+    label: Numbers  # surface of each pixel (H, W)
+    only: np.int64  # this one, every pixel counts if it is < 0
+
+
+@njit()
+def region_of_boxes(boxes):  # pragma: no cover - compiled
+    """Region of every pixel of rectangles."""
+    return Region(boxes, np.zeros((1, 1), np.int32), np.int64(-1))
+
+
+@njit()
+def blocks_of_boxes(boxes):  # pragma: no cover - compiled
+    """Row and column of the first pixel of each block (N, 2) of rectangles."""
+    count = 0
+    for top, bottom, left, right in boxes:
+        count += (bottom - top) * (right - left) // SIDE**2
+    places = np.empty((count, 2), np.int64)
+    n = 0
+    for top, bottom, left, right in boxes:
+        for y in range(top, bottom, SIDE):
+            for x in range(left, right, SIDE):
+                places[n, 0] = y
+                places[n, 1] = x
+                n += 1
+    return places
+
+
+@njit()
+def functions_of_blocks(field, places):  # pragma: no cover - compiled
+    """The six functions (6, N) of a surface in the middle of blocks, times the cosine."""
+    y = places[:, 0]
+    x = places[:, 1]
+    last = SIDE - 1
+    v = (field.v[y] + field.v[y + last]) / 2
+    u = (field.u[x] + field.u[x + last]) / 2
+    out = np.ones((BENT, len(places)))
+    out[0] = u
+    out[1] = v
+    out[3] = u * u
+    out[4] = u * v
+    out[5] = v * v
+    out /= np.sqrt(1 + u * u + v * v)
+    return out
+
+
+@njit()
+def depths_of_blocks(q, functions):  # pragma: no cover - compiled
+    """Depth (N,), m, of a surface in the middle of blocks, by the functions (6, N) there."""
+    inverse = np.zeros(functions.shape[1])
+    for i in range(BENT):
+        inverse += q[i] * functions[i]
+    return 1 / np.maximum(inverse, FARTHEST)
+
+
+@njit()
+def block_sums(field, region, q, places):  # pragma: no cover - compiled
+    """Phasors (2, N) of blocks, turned back by a surface and summed, and their E (2, N)."""
+    total = np.zeros((2, len(places)), np.complex128)
+    information = np.zeros((2, len(places)))
+    depth = np.empty(SIDE**2)
+    unit = np.empty(SIDE**2, np.complex128)
+    for n in range(len(places)):
+        top = places[n, 0]
+        left = places[n, 1]
+        for i in range(SIDE**2):
+            depth[i] = depth_at(field, q, top + i // SIDE, left + i % SIDE)
+        for f in range(2):
+            for i in range(SIDE**2):
+                unit[i] = _unit(field.wavenumber[f] / TAU * depth[i])
+            for i in range(SIDE**2):
+                y = top + i // SIDE
+                x = left + i % SIDE
+                if region.only < 0 or region.label[y, x] == region.only:
+                    total[f, n] += field.phasor[f, y, x] * unit[i]
+                    information[f, n] += field.information[f, y, x]
+    return total, information
+
+
+@njit(inline="always")
+def _unit(turns):  # pragma: no cover - compiled
+    """exp(-i x) of an angle in turns, to 2e-8: Taylor series on a quarter turn to each side."""
+    whole = np.floor(2 * turns + 0.5)
+    x = (turns - 0.5 * whole) * TAU
+    odd = 1.0 - 2.0 * (whole - 2.0 * np.floor(0.5 * whole))
+    y = x * x
+    # quotients of literals are factors already when this is compiled
+    c = 1 / 40320 - y * (1 / 3628800 - y * (1 / 479001600))
+    c = 1 / 24 - y * (1 / 720 - y * c)
+    c = 1 - y * (1 / 2 - y * c)
+    s = 1 / 5040 - y * (1 / 362880 - y * (1 / 39916800))
+    s = 1 / 6 - y * (1 / 120 - y * s)
+    s = x * (1 - y * s)
+    return complex(odd * c, -odd * s)
+
+
+@njit(inline="always")
+def pixel_likelihood(field, q, y, x):  # pragma: no cover - compiled
+    """S of a surface at one pixel."""
+    z = depth_at(field, q, y, x)
+    total = 0.0
+    for f in range(2):
+        total += (field.phasor[f, y, x] * _unit(field.wavenumber[f] / TAU * z)).real
+    return total
+
+
+@njit()
+def cell_likelihood(field, q, row, column):  # pragma: no cover - compiled
+    """S of a surface over one cell."""
+    top = row * CELL
+    left = column * CELL
+    box = np.array(((top, top + CELL, left, left + CELL),))
+    total, _ = block_sums(field, region_of_boxes(box), q, blocks_of_boxes(box))
+    return total.real.sum()
+
+
+@njit()
+def frequency_sums(field, q, boxes):  # pragma: no cover - compiled
+    """S of both frequencies (2,) over rectangles, then E of both (2,)."""
+    places = blocks_of_boxes(boxes)
+    total, information = block_sums(field, region_of_boxes(boxes), q, places)
+    return np.stack((total.real.sum(axis=1), information.sum(axis=1)))
