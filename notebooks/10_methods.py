@@ -106,7 +106,8 @@ show_swipe(scenes[0], "fast-scnn", "surfaces")
 # for all that is connected ([chapter 9](09_limits.ipynb)). `hybrid` joins our version of the
 # paper's network and this book's method: `surfaces` says which pixels share an offset, and the
 # network's odds, averaged over these pixels, choose it together with the beat. An average removes
-# errors that differ from pixel to pixel.
+# errors that differ from pixel to pixel. `surfaces-mirrored` is the vote of `surfaces` over four
+# mirror images of the measurement.
 
 # %% tags=["hide-input"]
 OTHERS = [
@@ -122,6 +123,7 @@ OTHERS = [
 ]
 OTHERS += [
     "mrf-graphcut",
+    "surfaces-mirrored",
     "hybrid",
     "reference-offset",
     "reference-contact",

@@ -56,7 +56,15 @@ ENDS = wrap_length(FREQUENCIES[0]) * np.array(
 
 SIZE = 200
 SEEDS = (0, 1, 2)
-METHODS = ("kde", "region", "phasor", "rapid", "fast-scnn", "surfaces")
+METHODS = (
+    "kde",
+    "region",
+    "phasor",
+    "rapid",
+    "surfaces",
+    "surfaces-mirrored",
+    "fast-scnn",
+)
 # A reference, which knows the shape of every surface and which of them touch.
 TOLD = ("reference-contact",)
 

@@ -79,8 +79,7 @@ def test_information_is_that_of_the_derivatives(steep):
     *_, found = fitting._moments(field, WHOLE, q)
     slopes = depth**2 * field.cosine * functions(field)
     told = field.information
-    k = field.wavenumber
-    matrix = np.einsum("iyx,fyx,f,jyx", slopes, told, k**2, slopes)
+    matrix = np.einsum("iyx,fyx,f,jyx", slopes, told, field.wavenumber**2, slopes)
     size = np.sqrt(np.diag(matrix))
     off = (found - np.tril(matrix)) / size / size[:, None]
     assert np.abs(off).max() < 0.02
