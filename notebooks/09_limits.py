@@ -249,10 +249,10 @@ notes.table(
 with_contacts = share["released", "reference-contact"]
 notes.answer(
     """
-    **Answer.** A reference that is told the shape of every surface unwraps {shapes:.0f} % of the
-    pixels of the small test frames (384×512, released protocol); one that is also told what touches
-    what, {contacts:.0f} % ({low:.0f}–{high:.0f}). Our `surfaces`, which is told neither, has
-    {ours:.0f} %. The remaining pixels lie on surfaces too small or too dark for their noise.
+    **Answer.** A reference that is given the shape of every surface unwraps {shapes:.0f} % of the
+    pixels of the small test frames (384×512, released protocol); one that is also given what
+    touches what, {contacts:.0f} % ({low:.0f}–{high:.0f}). Our `surfaces`, which is given neither,
+    has {ours:.0f} %. The remaining pixels lie on surfaces too small or too dark for their noise.
     """,
     shapes=share["released", "reference-offset"][0][0],
     contacts=with_contacts[0][0],

@@ -143,7 +143,7 @@ notes.table(
 notes.say(
     """
     Each cell has the mean over three scans of a scene, with new speckle and noise, and in brackets
-    the lowest and the highest. The last row is a reference: it is told the shape of every surface
+    the lowest and the highest. The last row is a reference: it is given the shape of every surface
     and which of them touch, and finds one offset for these together. It shows what the data hold.
     With the captures' noise KDE falls from {kde:.0f} to {kde_captures:.0f} %, the fine-tuned
     network from {net:.0f} to {net_captures:.0f} %. Averaged over four mirror images this network
