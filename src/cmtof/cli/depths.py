@@ -5,12 +5,13 @@ import os
 import sys
 from collections.abc import Callable, Mapping
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated, Any
+from typing import TYPE_CHECKING, Annotated
 
 from typer import Argument, Option
 
 from cmtof.cli.options import (
     File,
+    Options,
     Quiet,
     conditions,
     group_options,
@@ -23,6 +24,7 @@ from cmtof.terminal import error_line, escape_controls, print_table, progress
 if TYPE_CHECKING:
     from cmtof.evaluation import Evaluation
     from cmtof.frame import Frames
+    from cmtof.types import Texts, Values
 
 
 def choice(
@@ -52,7 +54,7 @@ def unwrap(
     ] = None,
     quiet: Quiet = False,
     *,
-    choice: dict[str, Any],
+    choice: Options,
 ) -> None:
     """Turn correlation images into wrap count, depth and confidence.
 
@@ -97,9 +99,9 @@ def _unwrap_one(
     path: Path,
     target: Path,
     ply: Path | None,
-    how: dict[str, Any],
+    how: Options,
     advance: Callable[..., None],
-) -> dict[str, str]:
+) -> "Texts":
     """Unwrap a file; return its row of the table: cells by title."""
     from cmtof.evaluation import Tally, scored_pixels
     from cmtof.pointcloud import write_ply
@@ -144,8 +146,8 @@ def evaluate(
     ] = None,
     quiet: Quiet = False,
     *,
-    conditions: dict[str, Any],
-    reading: dict[str, Any],
+    conditions: Options,
+    reading: Options,
 ) -> None:
     """Compare methods on the same frames and the same noise.
 
@@ -198,7 +200,7 @@ def _print_missing(missing: Mapping[str, ModuleNotFoundError]) -> None:
         )
 
 
-def _report_scores(report: dict[str, Any], json_file: File) -> None:
+def _report_scores(report: Options, json_file: File) -> None:
     """Write a report as JSON where that is asked for, and print its tables."""
     if json_file is not None:
         with atomic_output(json_file) as part:
@@ -216,7 +218,7 @@ def _report_scores(report: dict[str, Any], json_file: File) -> None:
         print(escape_controls(f"{name}: {remark}"))
 
 
-def _rates(scores: dict[str, float]) -> dict[str, str]:
+def _rates(scores: "Values") -> "Texts":
     """Rates and median error of a method as text, by the titles of the table's columns."""
     titles = {f"δ<{k}": f"delta_lt_{k}" for k in (1, 2, 3)}
     titles |= {"δ≥10": "delta_ge_10", "consistent": "consistent_lt_1"}

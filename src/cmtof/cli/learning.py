@@ -5,7 +5,7 @@ from typing import Annotated, Any
 
 from typer import Argument, Option
 
-from cmtof.cli.options import SEED, File, Quiet, Seed, group_options
+from cmtof.cli.options import SEED, File, Options, Quiet, Seed, group_options
 from cmtof.terminal import delay_interrupts, progress, progress_is_hidden
 
 
@@ -31,7 +31,7 @@ def render(
     ] = None,
     quiet: Quiet = False,
     *,
-    rooms: dict[str, Any],
+    rooms: Options,
 ) -> None:
     """Render furnished rooms, in Hypersim's layout.
 
@@ -98,8 +98,8 @@ def train(
     devices: Annotated[str, Option(help="How many, or auto.")] = "auto",
     quiet: Quiet = False,
     *,
-    recipe: dict[str, Any],
-    leg: dict[str, Any],
+    recipe: Options,
+    leg: Options,
 ) -> None:
     """Train an unwrapping network and write its weights and their card.
 

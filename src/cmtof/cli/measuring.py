@@ -12,6 +12,7 @@ from typer import Argument, Option
 from cmtof.cli.options import (
     SEED,
     File,
+    Options,
     Output,
     Quiet,
     conditions,
@@ -38,8 +39,8 @@ def simulate(
         Option(help="Modulation frequencies in Hz, lowest first, separated by commas."),
     ] = "7.15e9,14.32e9",
     *,
-    conditions: dict[str, Any],
-    reading: dict[str, Any],
+    conditions: Options,
+    reading: Options,
 ) -> None:
     """Turn an RGB-D frame into correlation images. `cmtof info` lists the embedded ones.
 
@@ -76,7 +77,7 @@ def scan(
     check: Annotated[bool, Option("--check", help="Ask all, move nothing.")] = False,
     quiet: Quiet = False,
     *,
-    rehearsal: dict[str, Any],
+    rehearsal: Options,
 ) -> None:
     """Scan with the instrument, or with its simulation, into a measurement.
 

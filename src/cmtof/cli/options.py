@@ -11,6 +11,7 @@ from typer import Option
 from cmtof.files import check_output
 
 File = Path | None
+Options = dict[str, Any]  # of a group, by name
 
 
 def output_option(named: str, *flags: str, text: str) -> Any:
