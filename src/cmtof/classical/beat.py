@@ -125,9 +125,10 @@ def guides(measurement: Measurement) -> Array:
     return np.stack([bright, coherence, *slopes])
 
 
-def quotient(above: NDArray, below: Array) -> NDArray:
-    """Quotient ``above / below`` of images of one shape; zero where ``below`` is not positive."""
-    return np.divide(above, below, out=np.zeros_like(above), where=below > 0)
+def quotient(above: NDArray, below: Array, otherwise: float = 0.0) -> NDArray:
+    """Quotient of arrays of one shape; ``otherwise`` where ``below`` is not positive."""
+    found = np.full_like(above, otherwise)
+    return np.divide(above, below, out=found, where=below > 0)
 
 
 def steps(phasor: Complex, axis: int) -> Complex:
@@ -209,11 +210,8 @@ def noise_of_mean(mean: NDArray, power: Array, count: Array | int) -> Array:
     """
     length = np.abs(mean)
     scatter = np.maximum(power - length**2, 0)
-    known = (count > 1.5) & (length > 0)
-    noise = np.sqrt(scatter / (2 * np.maximum(count - 1, 1))) / np.where(
-        known, length, 1
-    )
-    return np.where(known, noise, np.inf)
+    noise = np.sqrt(scatter / (2 * np.maximum(count - 1, 1)))
+    return quotient(noise, np.where(count > 1.5, length, 0), np.inf)
 
 
 def estimate_with_beat(depth: Array, odds: Array, measurement: Measurement) -> Estimate:

@@ -28,8 +28,8 @@ from cmtof.types import Array, Pair
 def phasor(measurement: Measurement) -> Estimate:
     """Depth in range whose pair of phasors is the nearest to the measured pair.
 
-    The confidence is the odds that noise leaves the beat within half a wrap. ValueError if the beat
-    repeats within the range.
+    The confidence is the odds that noise leaves the beat within half a wrap, no less than those of
+    a guess. ValueError if the beat repeats within the range.
     """
     low, high = measurement.frequencies[:2]
     extent = measurement.range[1] - measurement.range[0]
@@ -49,12 +49,13 @@ def phasor(measurement: Measurement) -> Estimate:
         known, -np.inf, np.inf
     )  # a pixel without signal stays in the middle
     for wraps in _candidates(phase, measurement):
-        peak = _peak(phase, amplitude, wraps, low, high)
-        depth = within_range(peak, measurement)
+        depth = within_range(_peak(phase, amplitude, wraps, low, high), measurement)
         value = match(phase, amplitude, depth, (low, high))
         best = np.where(value > best_value, depth, best)
         best_value = np.maximum(value, best_value)
-    return Estimate(best, _confidence(noise, measurement))
+    noise = np.clip(noise, 1e-9, 1e9)
+    odds = wrap_probability(*noise, frequencies=(low, high))
+    return Estimate(best, np.maximum(odds, guess_probability(measurement)))
 
 
 def _candidates(phase: Array, measurement: Measurement) -> list[Array | int]:
@@ -67,13 +68,6 @@ def _candidates(phase: Array, measurement: Measurement) -> list[Array | int]:
     middle = np.rint(turns / TAU)
     first, last = wraps_in_range(measurement)
     return [middle, middle - 1, middle + 1, first - 1, first, last - 1, last]
-
-
-def _confidence(noise: Array, measurement: Measurement) -> Array:
-    """Probability that noise (2, H, W), rad, leaves the wrap right; no less than a guess."""
-    frequencies = measurement.frequencies[:2]
-    odds = wrap_probability(*np.clip(noise, 1e-9, 1e9), frequencies=frequencies)
-    return np.maximum(odds, guess_probability(measurement))
 
 
 def match(

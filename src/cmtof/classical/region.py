@@ -19,6 +19,7 @@ from cmtof.classical.beat import (
     beat_phasor,
     estimate_with_beat,
     guides,
+    quotient,
     synthetic_frequency,
 )
 from cmtof.correlation import TAU, depth_from_phase, phase_from_depth, wrap_length
@@ -169,14 +170,11 @@ def pool(phasors: Complex, number: Numbers) -> Pooled:
     size = np.bincount(number.ravel())
     total = sum_over(phasors, number)
     phase = np.angle(total)
-    length = np.abs(total)
+    length = np.where(size > 1, np.abs(total), 0)  # one pixel has no spread
     across = np.imag(phasors * np.exp(-1j * phase[number]))
-    known = (size > 1) & (length > 0)
     # one direction was fitted, so that one degree of freedom is lost
     power = sum_over(across**2, number) * size / np.maximum(size - 1, 1)
-    return Pooled(
-        phase, np.where(known, np.sqrt(power) / np.where(known, length, 1), np.inf)
-    )
+    return Pooled(phase, quotient(np.sqrt(power), length, np.inf))
 
 
 def whole_wraps(
