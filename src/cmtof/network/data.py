@@ -9,6 +9,7 @@ from typing import Any, NamedTuple
 
 import numpy as np
 import torch
+from numpy.random import Generator, default_rng
 from torch import Tensor
 from torch.utils.data import Dataset
 
@@ -98,9 +99,7 @@ def measure(batch: Batch, *, inputs: str, protocol: str) -> Sample:
     )
 
 
-def dead_leaves(
-    rng: np.random.Generator, side: int, protocol: str = "released"
-) -> Crop:
+def dead_leaves(rng: Generator, side: int, protocol: str = "released") -> Crop:
     """Overlapping slanted plates at random depths: the training data of the first stage.
 
     Depth, brightness and texture are independent, so that only the phases determine a wrap.
@@ -128,7 +127,7 @@ def dead_leaves(
     return depth, np.minimum(light, 1)
 
 
-def _rotate(pixels: Array, rng: np.random.Generator) -> Array:
+def _rotate(pixels: Array, rng: Generator) -> Array:
     """Coordinates (2, H, W), x and y, along and beside a random direction."""
     angle = rng.uniform(0, TAU)
     x, y = pixels
@@ -140,9 +139,7 @@ def _rotate(pixels: Array, rng: np.random.Generator) -> Array:
     )
 
 
-def _plate_depth(
-    rng: np.random.Generator, away: Array, size: float, protocol: str
-) -> Array:
+def _plate_depth(rng: Generator, away: Array, size: float, protocol: str) -> Array:
     """Depth (H, W), wraps, of a plate of that size, px, by the distance from its middle."""
     first, classes = CLASSES[protocol]
     level = rng.uniform(-0.5, classes + 0.5)
@@ -153,7 +150,7 @@ def _plate_depth(
     return first + level + slope * _rotate(away, rng)[0] + bend * (away**2).sum(0)
 
 
-def _plate_light(rng: np.random.Generator, pixels: Array, along: Array) -> Array:
+def _plate_light(rng: Generator, pixels: Array, along: Array) -> Array:
     """Brightness (H, W) of a plate: stripes, checks or a gradient along it."""
     pitch = np.exp(rng.uniform(np.log(4), np.log(60)))
     stripes, others = np.sin(TAU / pitch * _rotate(pixels, rng))
@@ -231,14 +228,14 @@ def _pack_of_leaves(config: Config) -> Pack:
     """Leaves to validate on."""
     side = config.stages[-1].crop
     crops = [
-        dead_leaves(np.random.default_rng([99, k]), side, config.protocol)
+        dead_leaves(default_rng([99, k]), side, config.protocol)
         for k in range(config.validation_views)
     ]
     depth, light = map(np.stack, zip(*crops, strict=True))
     return Pack(depth, light, np.full(len(crops), RELEASED_FAR_DEPTH))
 
 
-def room_crop(rng: np.random.Generator, pack: Pack, side: int, protocol: str) -> Crop:
+def room_crop(rng: Generator, pack: Pack, side: int, protocol: str) -> Crop:
     """Random crop, turned, mirrored, and mostly moved in depth: rooms give few wraps a crop.
 
     Taken is the first of four draws with 30 % of its pixels in range, or the best of them.
@@ -257,7 +254,7 @@ def room_crop(rng: np.random.Generator, pack: Pack, side: int, protocol: str) ->
 
 
 def _draw_window(
-    rng: np.random.Generator, pack: Pack, side: int, protocol: str
+    rng: Generator, pack: Pack, side: int, protocol: str
 ) -> tuple[float, Array, Array]:
     """Share in range of a window of a frame, two of three times moved, its depth and intensity."""
     first, classes = CLASSES[protocol]
@@ -291,7 +288,7 @@ class Steps(Dataset[Batch]):
         sigma = low * (high / low) ** min(share / stage.ramp, 1)
         crops = []
         for k in range(self.rank, stage.batch, self.world):
-            rng = np.random.default_rng([config.seed, step, k])
+            rng = default_rng([config.seed, step, k])
             if self.pack is not None and rng.uniform() < stage.rooms:
                 crop = room_crop(rng, self.pack, stage.crop, config.protocol)
             else:

@@ -5,6 +5,7 @@ from copy import deepcopy
 
 import numpy as np
 import torch
+from numpy.random import Generator, default_rng
 from numpy.typing import NDArray
 from torch import nn
 from torch.utils.data import default_collate
@@ -51,7 +52,7 @@ def fine_tune(
     keep_pages()
     views = _views(trained, examples)
     crop = min(crop, *(min(view[1].shape) for view in views))
-    rng = np.random.default_rng(seed)
+    rng = default_rng(seed)
     tuner = Tuner(trained.network, steps, learning_rate)
     for _ in range(steps):
         tuner.learn(
@@ -112,7 +113,8 @@ def _view(
     trained: weights.Trained, measurement: Measurement, wraps: NDArray, depth: NDArray
 ):
     """Images, classes (H, W), `IGNORED` where unknown, and depth (H, W), wraps above the first."""
-    (network, card), turns = trained, np.asarray(depth, float) / WRAP
+    network, card = trained
+    turns = np.asarray(depth, float) / WRAP
     label = np.asarray(wraps, np.int64) - card.first_wrap
     known = (
         (label >= 0) & (label < card.classes) & np.isfinite(turns) & measurement.mask
@@ -125,9 +127,7 @@ def _view(
     )
 
 
-def _augmented_crop(
-    view: tuple, network: Network, side: int, rng: np.random.Generator
-) -> Sample:
+def _augmented_crop(view: tuple, network: Network, side: int, rng: Generator) -> Sample:
     """Random crop with a labelled pixel, moved in depth; a sample of NumPy arrays."""
     label, turns, phase, amplitude, *more = _random_window(view, side, rng)
     known = label != IGNORED
@@ -142,7 +142,7 @@ def _augmented_crop(
     return Sample(inputs, label, phase[0], turns + move)  # pyright: ignore[reportArgumentType]
 
 
-def _random_window(view: tuple, side: int, rng: np.random.Generator) -> list[Array]:
+def _random_window(view: tuple, side: int, rng: Generator) -> list[Array]:
     """Classes, depth and images of a random window with a labelled pixel, turned and mirrored."""
     images, label, turns = view
     place = zip(rng.choice(np.argwhere(label != IGNORED)), label.shape, strict=True)
