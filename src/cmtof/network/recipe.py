@@ -5,11 +5,18 @@ from pathlib import Path
 from typing import Annotated, Any, Literal
 
 import yaml
-from pydantic import Field, PositiveFloat, PositiveInt, model_validator
+from pydantic import (
+    Field,
+    NonNegativeFloat,
+    PositiveFloat,
+    PositiveInt,
+    model_validator,
+)
 
 from cmtof.files import AnyPath, check_input, read_document
 from cmtof.network.models import MODELS
 from cmtof.network.weights import Count, Share, Strict
+from cmtof.simulation import Protocol
 from cmtof.types import Fields
 from cmtof.validation import checked_values
 
@@ -40,7 +47,8 @@ class Stage(Strict):
     noise: tuple[
         PositiveFloat, PositiveFloat
     ]  # Gaussian sigma, counts; rises geometrically
-    ramp: Annotated[float, Field(gt=0, le=1)] = 1.0  # share in which the noise rises
+    # share in which the noise rises
+    ramp: float = Field(default=1.0, gt=0, le=1)
     rooms: Share = 0.0  # share of crops from rooms, the others are dead leaves
     rate: tuple[PositiveFloat, PositiveFloat]
     warm: PositiveInt = 100  # steps in which the rate rises
@@ -58,17 +66,14 @@ class Config(Strict):
 
     name: str = "own"
     model: str = "fast-scnn"
-    protocol: Literal["released", "full"] = "released"
+    protocol: Protocol = "released"
     stages: tuple[Stage, ...] = Field(min_length=1)
     rooms: Rooms | None = Rooms()  # without them it validates on leaves
-    depth_weight: Annotated[float, Field(ge=0)] | None = (
-        None  # w of Eq. 7; None: the model's
-    )
-    average: Annotated[float, Field(ge=0, lt=1)] = (
-        0.998  # share of the old in averaged weights
-    )
+    depth_weight: NonNegativeFloat | None = None  # w of Eq. 7; None: the model's
+    # share of the old in averaged weights
+    average: float = Field(default=0.998, ge=0, lt=1)
     # standard deviation of each phase's error of calibration, drawn for each crop, rad
-    offset: Annotated[float, Field(ge=0)] = 0.0
+    offset: NonNegativeFloat = 0.0
     optimizer: Literal["adamw", "muon"] = "adamw"
     precision: str = "bf16-mixed"  # Lightning's
     save_every: PositiveInt = 250  # steps
@@ -79,9 +84,9 @@ class Config(Strict):
     @model_validator(mode="after")
     def _check_model_and_crops(self) -> "Config":
         if self.model not in MODELS:
-            known = ", ".join(MODELS)
             raise ValueError(
-                f"Expected a model out of {known}, got {self.model}. Choose one."
+                f"Expected a model out of {', '.join(MODELS)}, got {self.model}. "
+                "Choose one."
             )
         side = min(self.rooms.height, self.rooms.width) if self.rooms else 0
         if any(stage.rooms and stage.crop > side for stage in self.stages):
@@ -113,12 +118,13 @@ class Config(Strict):
 
 def read_config(source: AnyPath, **changes: Any) -> Config:
     """Configuration of a preset or a YAML file, with the ``changes`` that are not None."""
-    values = PRESETS.get(str(source))
     path = Path(source)
+    values = PRESETS.get(str(source))
     if values is None:
         check_input(
             path, f"a configuration out of {', '.join(PRESETS)}, or a YAML file"
         )
-    values = {"name": path.stem} | (read_document(path) if values is None else values)
+        values = read_document(path)
     replaced = {key: value for key, value in changes.items() if value is not None}
-    return checked_values(Config, values | replaced, f"the configuration {source}")
+    values = {"name": path.stem} | values | replaced
+    return checked_values(Config, values, f"the configuration {source}")

@@ -7,7 +7,7 @@ import hashlib
 import json
 from importlib.resources import files
 from pathlib import Path
-from typing import Annotated, Any, Literal, NamedTuple
+from typing import Annotated, Any, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
@@ -16,6 +16,7 @@ from pydantic import BaseModel, ConfigDict, Field, PositiveInt
 from cmtof.files import atomic_output, check_input, read_small_file
 from cmtof.frame import unreadable_error
 from cmtof.network.features import CLASSES
+from cmtof.simulation import Protocol
 from cmtof.types import Fields, Texts, Values
 from cmtof.validation import checked_values
 
@@ -45,7 +46,7 @@ class Card(Strict):
     """Origin of weights: model, training, and rates on views of rooms that were held out."""
 
     model: str
-    protocol: Literal["released", "full"]
+    protocol: Protocol
     classes: int = Field(ge=1, le=4096)
     first_wrap: Count
     parameters: PositiveInt
