@@ -49,20 +49,15 @@ def check_links(file: Any) -> None:
     """Raise a ValueError if an open HDF5 file links to data in another file."""
     from h5py import ExternalLink
 
-    outside: list[str] = []
+    def is_stored_outside(item: Any) -> bool:
+        return bool(getattr(item, "external", None) or getattr(item, "is_virtual", 0))
 
-    def note_link(name: str, link: Any) -> None:
-        if isinstance(link, ExternalLink):
-            outside.append(name)
-
-    def note_storage(name: str, item: Any) -> None:
-        if getattr(item, "external", None) or getattr(item, "is_virtual", False):
-            outside.append(name)
-
-    file.visititems_links(note_link)
-    file.visititems(note_storage)
+    # a visit ends at the first item for which it is given a name
+    outside = file.visititems_links(
+        lambda name, link: name if isinstance(link, ExternalLink) else None
+    ) or file.visititems(lambda name, item: name if is_stored_outside(item) else None)
     if outside:
-        raise ValueError(f"{outside[0]} lies in another file")
+        raise ValueError(f"{outside} lies in another file")
 
 
 def check_output(path: AnyPath, *suffixes: str) -> Path:
