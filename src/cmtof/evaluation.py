@@ -24,6 +24,8 @@ from cmtof.statistics import Interval, ratio_interval
 from cmtof.types import Fields, Named, Numbers, Texts, Values
 from cmtof.unwrapping import unwrap
 
+Pixels = Mapping[str, NDArray]  # arrays (P,) by name
+
 LIMITS = (1, 2, 3, 10)  # wraps off below which pixels are counted, Tables 1 to 3
 
 COVERAGE = ("covered_90", "covered_95", "wraps_in_90", "wraps_in_95")
@@ -31,7 +33,7 @@ COVERAGE = ("covered_90", "covered_95", "wraps_in_90", "wraps_in_95")
 _EDGES = np.geomspace(1e-7, 1e2, 18_001)  # of depth errors, m, 0.12 % apart: medians
 
 
-def scored_pixels(result: xr.Dataset, measurement: Measurement) -> dict[str, NDArray]:
+def scored_pixels(result: xr.Dataset, measurement: Measurement) -> Pixels:
     """Result and truth of the P valid pixels with a known depth: arrays (P,) by name.
 
     ``wrap_count``, ``true_count`` (the paper's floor), ``consistent``, ``true_consistent`` (the
@@ -87,7 +89,7 @@ class Tally:
         self._confidences = 0.0
         self._errors = np.zeros(_EDGES.size + 1, np.int64)
 
-    def add(self, pixels: Mapping[str, NDArray]) -> Fields:
+    def add(self, pixels: Pixels) -> Fields:
         """Add the `scored_pixels` of a frame; return its counts, ``below`` as in `LIMITS`."""
         delta = np.abs(pixels["wrap_count"] - pixels["true_count"])
         right = pixels["consistent"] == pixels["true_consistent"]
@@ -107,7 +109,8 @@ class Tally:
         """Rates and depth errors, m, over all frames, as ``cmtof evaluate`` names them."""
         whole = sum(frame["pixels"] for frame in self.frames)
         counts = [[*frame["below"], frame["consistent"]] for frame in self.frames]
-        shares = (np.sum(counts, axis=0) / whole).tolist()
+        shares = np.sum(counts, axis=0) / whole
+        lt_1, lt_2, lt_3, lt_10, consistent = shares.tolist()
         median = int(np.searchsorted(np.cumsum(self._errors), whole / 2))
         sets = {
             name: float(
@@ -117,19 +120,19 @@ class Tally:
             if name in self.frames[0]
         }
         return sets | {
-            "delta_lt_1": shares[0],
-            "delta_lt_2": shares[1],
-            "delta_lt_3": shares[2],
-            "delta_ge_3": 1 - shares[2],
-            "delta_ge_10": 1 - shares[3],
-            "consistent_lt_1": shares[4],
+            "delta_lt_1": lt_1,
+            "delta_lt_2": lt_2,
+            "delta_lt_3": lt_3,
+            "delta_ge_3": 1 - lt_3,
+            "delta_ge_10": 1 - lt_10,
+            "consistent_lt_1": consistent,
             "depth_rmse_m": float(np.sqrt(self._squares / whole)),
             "depth_median_error_m": float(_EDGES[min(median, _EDGES.size - 1)]),
             "mean_confidence": self._confidences / whole,
         }
 
 
-def score(frames: Mapping[str, NDArray] | Iterable[Mapping[str, NDArray]]) -> Values:
+def score(frames: Pixels | Iterable[Pixels]) -> Values:
     """Rates and depth errors, m, over the `scored_pixels` of one or more frames."""
     tally = Tally()
     for pixels in [frames] if isinstance(frames, Mapping) else frames:
