@@ -44,9 +44,9 @@ class Frame:
             )
         depth[~(np.isfinite(depth) & (depth > 0))] = np.nan
         if np.isnan(depth).all():
-            got = f"none above 0 in {where}. Check the depth scale"
             raise ValueError(
-                f"Expected depths in metres, got {got}. {self.note}".strip()
+                f"Expected depths in metres, got none above 0 in {where}. "
+                f"Check the depth scale. {self.note}".strip()
             )
         if not np.isfinite(light).all() or light.min() < 0:
             raise ValueError(

@@ -47,9 +47,9 @@ def _storable(value: Any) -> Any:
         return int(value)
     if isinstance(value, list | tuple):
         kinds = {type(one) for one in value}
-        plain = bool(value) and (kinds <= {int, float} or kinds == {str})
-        return list(value) if plain else json.dumps(value, default=str)
-    if isinstance(value, dict):
+        if value and (kinds <= {int, float} or kinds == {str}):
+            return list(value)
+    if isinstance(value, list | tuple | dict):
         return json.dumps(value, default=str)
     return value if isinstance(value, _PLAIN) else str(value)
 

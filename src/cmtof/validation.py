@@ -33,10 +33,12 @@ def checked_values(kind: type[T], values: Any, source: object) -> T:
         if first["type"] == "value_error":
             raise ValueError(f"{rule} ({source})") from None
         place = ".".join(map(str, first["loc"])) or "names and values"
-        words = dict.fromkeys(
-            ("unexpected_keyword_argument", "extra_forbidden"), "be a known key"
-        )
-        rule = (words | {"missing": "be there"}).get(first["type"], rule)
+        words = {
+            "unexpected_keyword_argument": "be a known key",
+            "extra_forbidden": "be a known key",
+            "missing": "be there",
+        }
+        rule = words.get(first["type"], rule)
         found = repr(first["input"])[:60]
         raise ValueError(
             f"Expected {place} in {source} to {rule}, got {found}. Correct it."
