@@ -46,9 +46,11 @@ _MOVING = (
 UNITS = {"mm": 1e-3, "degree": pi / 180}  # m or rad
 
 
-KINDS = read_document(Path(__file__).with_name("motors.yml"))
 # Motors by the name in a RIG file.
-MOTORS = {name: SimpleNamespace(**found) for name, found in KINDS.items()}
+MOTORS = {
+    name: SimpleNamespace(**found)
+    for name, found in read_document(Path(__file__).with_name("motors.yml")).items()
+}
 
 
 def open_controller(address: str, timeout: float = 1.0) -> Any:

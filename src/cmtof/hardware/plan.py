@@ -90,10 +90,9 @@ def mirror_angles(rig: Rig, volts: ArrayLike) -> Array:
 def plan_scan(rig: Rig, *, size: int | Shape = 64) -> Plan:
     """Plan of an image of ``size`` (height and width, px) whose rays are those of a pinhole."""
     height, width = np.broadcast_to(size, 2).tolist()
-    focal = (
-        np.array([width, height]) / 2 / np.tan(np.deg2rad(rig.field_of_view_deg) / 2)
-    )
-    camera = np.array([*focal, width / 2, height / 2])
+    middle = np.array([width, height]) / 2
+    focal = middle / np.tan(np.deg2rad(rig.field_of_view_deg) / 2)
+    camera = np.array([*focal, *middle])
     x, y, z = np.moveaxis(rays_from_camera((height, width), camera), -1, 0)
     angles = np.stack([np.arctan2(x, z), np.arctan2(y, z)], axis=-1)
     largest_volts = np.abs(mirror_volts(rig, angles)).max()

@@ -103,11 +103,12 @@ def sweep(
         for rf in bench.rf:
             rf.output(False)
     bench.look_at(way)
-    found = {"volts": [], "laser_power": []}
+    volts = []
+    powers = []
     for offset in np.asarray(offsets, float).tolist():
         bench.move_target(offset)
-        found["volts"].append(read())
-        found["laser_power"].append(bench.metered_power())
+        volts.append(read())
+        powers.append(bench.metered_power())
     if way != "interferometer":
         bench.check()
     bench.look_at("dark")
@@ -116,11 +117,11 @@ def sweep(
         {
             "phase": (
                 "position",
-                phases_of(np.array(found["volts"])),
+                phases_of(np.array(volts)),
                 {"units": "rad"},
             ),
-            "volts": (("position", "step"), found["volts"], {"units": "V"}),
-            "laser_power": ("position", found["laser_power"], {"units": "W"}),
+            "volts": (("position", "step"), volts, {"units": "V"}),
+            "laser_power": ("position", powers, {"units": "W"}),
         },
         {"position": ("position", offsets, {"units": "m"})},
         {
