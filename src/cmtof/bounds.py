@@ -29,14 +29,12 @@ def fisher_information(
     second term because the variance, too, depends on the mean. Amplitude and offset (...) and
     sigma in counts, ``psi`` (K,) and ``phase`` (...) in rad; the result is (..., 3, 3).
     """
-    a, d, phi = np.broadcast_arrays(
-        *(np.asarray(x, float) for x in (amplitude, offset, phase))
-    )
+    a, d, phi = np.broadcast_arrays(amplitude, offset, phase)
     angle = phi[..., None] + np.asarray(psi, float)
     mean = d[..., None] + a[..., None] * np.cos(angle)
     variance = mean + sigma**2
     gradient = np.stack(
-        [-a[..., None] * np.sin(angle), np.cos(angle), np.ones_like(angle)], -1
+        [a[..., None] * -np.sin(angle), np.cos(angle), np.ones_like(angle)], -1
     )
     weight = 1 / variance + 1 / (2 * variance**2)
     return np.einsum("...k,...ki,...kj->...ij", weight, gradient, gradient)

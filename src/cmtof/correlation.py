@@ -41,10 +41,9 @@ def correlation_from_harmonics(
     """
     p = np.asarray(emitted, complex)
     r = np.asarray(reference, complex)
-    count = min(p.size, r.size)
-    angle = np.asarray(phase) + np.asarray(psi)
+    angle = np.add(phase, psi)
     total = np.full(np.shape(angle), (p[0] * r[0]).real)
-    for k in range(1, count):
+    for k in range(1, min(p.size, r.size)):
         total = total + 2 * np.real(p[k] * np.conj(r[k]) * np.exp(-1j * k * angle))
     return total
 

@@ -172,7 +172,7 @@ class TwoPassModulator:
     def contrast(self) -> float:
         """Peak-to-peak contrast (max - min)/(max + min); sin(2 eta) in the ideal single mode."""
         w = self._waveform_period(4096)  # holds the crests of the ideal modes exactly
-        return float((w.max() - w.min()) / (w.max() + w.min()))
+        return float(np.ptp(w) / (w.max() + w.min()))
 
     def modulation_depth(self) -> float:
         """Amplitude of the drive's first harmonic over the mean, 2 |W_1| / W_0."""
@@ -206,7 +206,7 @@ def single_mode_harmonics(eta: ArrayLike, count: int) -> Harmonics:
     k and 0 for even. ``eta`` (...) is the drive amplitude of one pass, rad.
     """
     k, bessel = _bessel(eta, count)
-    return np.where(k % 2 == 1, 0.5j * bessel, 0) + np.where(k == 0, 0.5, 0)
+    return np.where(k % 2, 0.5j * bessel, 0) + 0.5 * (k == 0)
 
 
 def doubled_mode_harmonics(eta: ArrayLike, count: int) -> Harmonics:
@@ -216,7 +216,7 @@ def doubled_mode_harmonics(eta: ArrayLike, count: int) -> Harmonics:
     W_k = -J_k/2 for even k and 0 for odd; ``[..., ::2]`` are the harmonics of twice the drive.
     """
     k, bessel = _bessel(eta, count)
-    return np.where(k % 2 == 0, -0.5 * bessel, 0) + np.where(k == 0, 0.5, 0j)
+    return np.where(k % 2, 0j, -0.5 * bessel) + 0.5 * (k == 0)
 
 
 def _bessel(eta: ArrayLike, count: int) -> tuple[Numbers, Array]:

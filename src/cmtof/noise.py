@@ -82,13 +82,12 @@ def typical_phase_noise(
     of one radian: edges and outliers do not count.
     """
     noises = local_phase_noise(phase, window=window)[np.asarray(where, bool)]
-    noises = noises[np.isfinite(noises)]
-    if not noises.size:
+    if not np.isfinite(noises).any():
         raise ValueError(
             f"Expected whole windows of {window} px to fit, got none. Widen the region."
         )
     freedom = window**2 - 6
-    return float(np.median(noises) / np.sqrt(stats.chi2.median(freedom) / freedom))
+    return float(np.nanmedian(noises) / np.sqrt(stats.chi2.median(freedom) / freedom))
 
 
 def _windows_without_slope(phase: ArrayLike, window: int) -> Complex:
@@ -143,8 +142,7 @@ def fit_response(shape: Shape, *, window: int = 9) -> Array:
     """
     kernel = np.zeros(shape)
     kernel[:window, :window] = _fit_kernel(window)
-    back = -(window // 2)
-    return np.fft.fft2(np.roll(kernel, (back, back), axis=(0, 1))).real
+    return np.fft.fft2(np.roll(kernel, -(window // 2), axis=(0, 1))).real
 
 
 def power_spectrum(values: ArrayLike, mask: ArrayLike) -> Array:

@@ -102,8 +102,7 @@ def mesh_triangles(points: ArrayLike, *, longest: float = np.inf) -> Numbers:
     b = number[:-1, 1:]
     c = number[1:, :-1]
     d = number[1:, 1:]
-    pairs = [np.stack(t, -1).reshape(-1, 3) for t in ((a, c, b), (b, c, d))]
-    triangles = np.concatenate(pairs)
+    triangles = np.moveaxis(np.array([(a, c, b), (b, c, d)]), 1, -1).reshape(-1, 3)
     corners = points.reshape(-1, 3)[triangles]
     sides = np.linalg.norm(corners - np.roll(corners, 1, axis=1), axis=-1)
     return triangles[(sides < longest).all(axis=1)]  # false for NaN as well
