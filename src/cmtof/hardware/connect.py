@@ -7,7 +7,7 @@ from typing import Any, TextIO
 
 from cmtof.hardware.bench import Bench
 from cmtof.hardware.log import Logged
-from cmtof.hardware.modbus import PORT, Feedback
+from cmtof.hardware.modbus import Feedback
 from cmtof.hardware.rig import LIGHT, Rig
 
 # Devices that may still emit light or RF after a killed scan; they are connected first.
@@ -62,11 +62,8 @@ def read_out(rig: Rig, connection: Any, **named: str) -> Any:
     """Driver of a T7 at the rig's ``HOST`` or ``HOST:PORT``; its stream is at PORT + 200."""
     from cmtof.hardware import rf, t7
 
-    settings = rig.devices["daq"]
-    host, _, port = settings.address.partition(":")
-    stream = rf.open_serial(
-        f"socket://{host}:{int(port or PORT) + 200}", settings.timeout
-    )
+    host, port = connection.address
+    stream = rf.open_serial(f"socket://{host}:{port + 200}", rig.devices["daq"].timeout)
     return t7.LabJackT7(
         connection,
         stream,

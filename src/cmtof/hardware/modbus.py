@@ -20,7 +20,7 @@ class Feedback:
 
     def __init__(self, address: str, timeout: float) -> None:
         host, _, port = address.partition(":")
-        self._address = (host, int(port or PORT))
+        self.address = (host, int(port or PORT))
         self._timeout = timeout
         self._number = 0
         with one_error(f"a T7 at {address}", ConnectionLost):
@@ -56,7 +56,7 @@ class Feedback:
         self._socket = None
 
     def _connect(self) -> socket.socket:
-        return socket.create_connection(self._address, self._timeout)
+        return socket.create_connection(self.address, self._timeout)
 
     def _receive(self, size: int) -> bytes:
         """Exactly ``size`` bytes from the socket; ConnectionResetError if it ends before."""
