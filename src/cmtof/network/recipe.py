@@ -1,10 +1,8 @@
 """Configuration of a training: stages, rooms and schedule, by name or from a file."""
 
-from importlib.resources import files
 from pathlib import Path
 from typing import Annotated, Any, Literal
 
-import yaml
 from pydantic import (
     Field,
     NonNegativeFloat,
@@ -22,9 +20,7 @@ from cmtof.validation import checked_values
 
 Size = Annotated[int, Field(ge=1, le=4096)]  # px
 # Configurations that travel with the package, by name.
-PRESETS: Fields = yaml.safe_load(
-    (files("cmtof.network") / "train.yml").read_text("utf-8")
-)
+PRESETS: Fields = read_document(Path(__file__).with_name("train.yml"))
 
 
 class Rooms(Strict):

@@ -5,7 +5,6 @@ Nothing is ever unpickled. Inference reads weights as NumPy arrays, training as 
 
 import hashlib
 import json
-from importlib.resources import files
 from pathlib import Path
 from typing import Annotated, Any, NamedTuple
 
@@ -21,7 +20,7 @@ from cmtof.types import Fields, Texts, Values
 from cmtof.validation import checked_values
 
 Network = Tensor = Any  # of cmtof.network.models and of torch, which are imported late
-FOLDER = Path(str(files("cmtof"))) / "weights"  # those that travel with the package
+FOLDER = Path(__file__).parents[1] / "weights"  # those that travel with the package
 
 Share = Annotated[float, Field(ge=0, le=1)]
 Count = Annotated[int, Field(ge=0, lt=2**63)]
