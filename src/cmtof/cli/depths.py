@@ -220,8 +220,13 @@ def _report_scores(report: Options, json_file: File) -> None:
 
 def _rates(scores: "Values") -> "Texts":
     """Rates and median error of a method as text, by the titles of the table's columns."""
-    titles = {f"δ<{k}": f"delta_lt_{k}" for k in (1, 2, 3)}
-    titles |= {"δ≥10": "delta_ge_10", "consistent": "consistent_lt_1"}
+    titles = {
+        "δ<1": "delta_lt_1",
+        "δ<2": "delta_lt_2",
+        "δ<3": "delta_lt_3",
+        "δ≥10": "delta_ge_10",
+        "consistent": "consistent_lt_1",
+    }
     found = {title: f"{scores[key]:.1%}" for title, key in titles.items()}
     return found | {"median error": f"{1e3 * scores['depth_median_error_m']:.1f} mm"}
 

@@ -118,8 +118,10 @@ def train(
         Hypersim(data)  # refused before anything is written
 
     def find_tree(rooms: Rooms) -> Path:
-        name = f"rooms_{rooms.seed}_{rooms.scenes}x{rooms.views}_{rooms.height}x{rooms.width}"
-        rendered = folder.parent / name
+        rendered = folder.parent / (
+            f"rooms_{rooms.seed}_{rooms.scenes}x{rooms.views}_"
+            f"{rooms.height}x{rooms.width}"
+        )
         if not data:
             _render_set(rendered, quiet, None, **rooms.model_dump())
         return data or rendered
