@@ -52,11 +52,10 @@ class Frame:
             raise ValueError(
                 f"Expected finite intensities >= 0, got others in {where}. Replace them with 0."
             )
-        kind = np.asarray(self.intensity).dtype.kind
-        if kind in "iu" and light.max() > 1:
+        if np.asarray(self.intensity).dtype.kind in "iu" and light.max() > 1:
             white = next(top for top in (255, 65535, light.max()) if light.max() <= top)
-            note = f"light in integers, {white} is 1"
-            vars(self)["note"] = "; ".join(filter(None, [self.note, note]))
+            notes = [self.note, f"light in integers, {white} is 1"]
+            vars(self)["note"] = "; ".join(filter(None, notes))
             light /= white
         camera = None if self.camera is None else checked_camera(self.camera, where)
         vars(self).update(depth=depth, intensity=light, camera=camera)
@@ -120,10 +119,9 @@ def held_out_frames() -> list[Frame]:
     steps = slopes.cumsum(axis=2, dtype=np.int32)
     levels = arrays["intensity"].cumsum(axis=2, dtype=np.uint8)
     light = (levels / np.float32(255)) ** 2
-    views = zip(
-        steps * HELD_OUT_STEP, light, arrays["camera"], arrays["name"], strict=True
-    )
-    return [Frame(depth, one, camera, str(name)) for depth, one, camera, name in views]
+    names = arrays["name"].tolist()
+    views = zip(steps * HELD_OUT_STEP, light, arrays["camera"], names, strict=True)
+    return [Frame(*view) for view in views]
 
 
 def unreadable_error(

@@ -145,11 +145,10 @@ class Hypersim:
 
     def _table(self, name: str, parse: Callable[[Texts], Any]) -> list[Any]:
         """Rows of a published table, each parsed by a function; empty without the table."""
-        folders = ("", "metadata", "analysis")
         places = (
             base / folder / name
             for base in (self.root, self.root.parent)
-            for folder in folders
+            for folder in ("", "metadata", "analysis")
         )
         path = next((place for place in places if place.is_file()), None)
         if path is None:

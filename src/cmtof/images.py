@@ -115,8 +115,10 @@ def depth_from_levels(levels: NDArray, scale: float | None) -> tuple[Array, list
             np.mean(known_levels % _ROTATED == 0) > 0.95
             and np.unique(known_levels).size > _ROTATED
         ):
-            advice = f"if these are SUN RGB-D's rotated bits, give the scale {_ROTATED * 1000}"
-            notes.append(f"all levels are multiples of {_ROTATED}: {advice}")
+            notes.append(
+                f"all levels are multiples of {_ROTATED}: if these are SUN RGB-D's rotated bits, "
+                f"give the scale {_ROTATED * 1000}"
+            )
     return np.where(known, levels / (scale or LEVELS), np.nan), notes
 
 

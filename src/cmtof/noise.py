@@ -142,7 +142,8 @@ def fit_response(shape: Shape, *, window: int = 9) -> Array:
     """
     kernel = np.zeros(shape)
     kernel[:window, :window] = _fit_kernel(window)
-    return np.fft.fft2(np.roll(kernel, -(window // 2), axis=(0, 1))).real
+    kernel = np.roll(kernel, -(window // 2), axis=(0, 1))
+    return np.fft.fft2(kernel).real
 
 
 def power_spectrum(values: ArrayLike, mask: ArrayLike) -> Array:

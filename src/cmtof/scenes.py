@@ -73,9 +73,8 @@ def frames_in(
         return Hypersim(path).sources(blank=True)
     if (path / "depth.txt").is_file() and (path / "rgb.txt").is_file():
         return _tum_sequence(path, given)
-    camera = given.get("camera")
     found = [
-        Source(p.stem, partial(frame_from_npz, p, camera))
+        Source(p.stem, partial(frame_from_npz, p, given.get("camera")))
         for p in sorted(path.glob("*.npz"))
     ]
     found += _pairs(path, given)

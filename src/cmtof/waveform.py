@@ -70,6 +70,5 @@ def low_pass_harmonics(
     ``frequency``, Hz: harmonics lose amplitude and lag behind.
     """
     w = np.asarray(harmonics, np.complex128)
-    return np.asarray(
-        w / (1 + 1j * np.arange(w.shape[-1]) * frequency / cutoff), np.complex128
-    )
+    lag = 1j * np.arange(w.shape[-1]) * frequency / cutoff
+    return w / (1 + lag)

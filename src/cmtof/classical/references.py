@@ -114,8 +114,8 @@ def _estimate_from_shapes(
         sums = [_pool_within(one, surface, side) for one in phasors]
         middle = shape
     else:
-        pools = [pool(one, surface) for one in phasors]
-        sums = [Pooled(one.phase[surface], one.spread[surface]) for one in pools]
+        # of each surface, then of each pixel
+        sums = [Pooled(*np.array(pool(one, surface))[:, surface]) for one in phasors]
         middle = mean_over(shape, surface, known & measurement.mask)[surface]
     depth = shape + _offset(sums, middle, measurement)
     odds = wrap_probability(

@@ -30,8 +30,9 @@ def mode(measurement: Measurement) -> Estimate:
     known = truth[measurement.mask & np.isfinite(truth)].astype(float)
     if not known.size:
         return middle(measurement)
-    found = wrap_count_from_depth(known, frequency)
-    wraps, counts = np.unique(found, return_counts=True)
+    wraps, counts = np.unique(
+        wrap_count_from_depth(known, frequency), return_counts=True
+    )
     most = counts.argmax()
     depth = np.full(measurement.shape, (wraps[most] + 0.5) * wrap_length(frequency))
     share = np.full(measurement.shape, counts[most] / counts.sum())

@@ -147,7 +147,7 @@ def unwrap_with_network(
 
 
 def network_for(
-    measurement: Measurement, model: str | None = None, weights: AnyPath | None = None
+    measurement: Measurement, model: str | None, weights: AnyPath | None
 ) -> LoadedNetwork:
     """Network with given or shipped weights; a ValueError if it does not fit the measurement."""
     tones = measurement.frequencies
@@ -168,7 +168,7 @@ def network_for(
 
 
 def log_odds(
-    ready: LoadedNetwork, measurement: Measurement, mirrored: bool = False
+    ready: LoadedNetwork, measurement: Measurement, mirrored: bool
 ) -> Iterator[tuple[slice, Single]]:
     """Rows of the image, h at a time, and log-odds (N, h, W) of the wraps in range.
 

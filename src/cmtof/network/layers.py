@@ -142,10 +142,9 @@ class Pyramid(nn.Module):
 
     def __init__(self, width: int, sides: tuple[int, ...]) -> None:
         super().__init__()
-        branches = (
+        self.branches = nn.ModuleList(
             conv(width, width // 4, 1).append(window_mean(side)) for side in sides
         )
-        self.branches = nn.ModuleList(branches)
         self.join = conv(width + len(sides) * (width // 4), width, 1)
 
     def forward(self, x: Tensor) -> Tensor:

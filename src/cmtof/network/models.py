@@ -112,11 +112,12 @@ class FastSCNN(Network):
             conv(self.stem_width, half, stride=2), separable(half, quarter, 2)
         )
         pairs = enumerate(pairwise((quarter, *self.widths)))
-        blocks = (
-            Bottleneck(i, o, 1 if k else 2, self.expansion, self.dilations[k])
-            for k, (i, o) in pairs
+        self.extract = nn.Sequential(
+            *(
+                Bottleneck(i, o, 1 if k else 2, self.expansion, self.dilations[k])
+                for k, (i, o) in pairs
+            )
         )
-        self.extract = nn.Sequential(*blocks)
         deep = self.widths[-1]
         self.pyramid = Pyramid(deep, self.pools)
         self.deep = conv(deep, self.context, 1, relu=False)

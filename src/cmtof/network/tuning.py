@@ -119,9 +119,8 @@ def _view(
     known = (
         (label >= 0) & (label < card.classes) & np.isfinite(turns) & measurement.mask
     )
-    images = network_images(measurement, network.model.features)
     return (
-        images,
+        network_images(measurement, network.model.features),
         np.where(known, label, IGNORED),
         np.where(known, turns - card.first_wrap, 0),
     )
