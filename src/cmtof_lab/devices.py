@@ -97,7 +97,7 @@ class SimulatedRf(SimulatedDevice):
 
     def trigger(self, on: bool) -> None:
         if not on:
-            self.knobs.table = np.zeros(0)
+            self.knobs.table = ()
 
     def arm(self) -> None:
         self.edges = 0
@@ -222,8 +222,13 @@ class SimulatedReadOut(SimulatedDevice):
         elif self.panel.beam_block_out:
             every = fringes(*asked, np.array(travels), size, self.rate)
         else:
-            options = {"labels": labels, "pulses": self._pulses, "rate": self.rate}
-            every = self.instrument.bursts(self.panel, angles, **options)  # all at once
+            every = self.instrument.bursts(  # all at once
+                self.panel,
+                angles,
+                labels=labels,
+                pulses=self._pulses,
+                rate=self.rate,
+            )
         for label, counts in zip(labels, every, strict=True):
             self.panel.time = BURST_INTERVAL * label + size / self.rate
             self.triggered.edges += int(self._pulses[-1]) + 1
@@ -231,7 +236,7 @@ class SimulatedReadOut(SimulatedDevice):
 
 
 # Simulated device of each role.
-KINDS: dict[str, type[SimulatedDevice]] = {
+KINDS = {
     "rf_emission": SimulatedRf,
     "rf_detection": SimulatedRf,
     "plate_emission": SimulatedMotor,

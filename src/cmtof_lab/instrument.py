@@ -11,6 +11,7 @@ Time is virtual: burst n starts at ``n * 20 ms``, settled, and its noise depends
 the laser has drift but no fast noise. Optical angles: along (tan x, tan y, 1), y downwards.
 """
 
+from collections.abc import Sequence
 from dataclasses import dataclass, field, replace
 from functools import cache, lru_cache
 from typing import Any
@@ -61,15 +62,18 @@ _harmonics = lru_cache(maxsize=4096)(TwoPassModulator.harmonics)
 
 def keyed_generator(seed: int, purpose: int, key: int = 0) -> Generator:
     """Philox generator whose numbers depend on the arguments alone (Salmon et al., SC 2011)."""
-    words = np.array([seed & WORD, purpose], np.uint64)
-    counter = np.array([0, key & WORD, 0, 0], np.uint64)
-    return Generator(Philox(key=words, counter=counter))
+    # words of 64 bits: both may be negative or larger
+    stream = (purpose << 64) + (seed & WORD)
+    return Generator(Philox(key=stream, counter=(key & WORD) << 64))
 
 
 def normals_by_key(seed: int, purpose: int, keys: Numbers, count: int) -> Array:
     """Standard normals (N, count), a row for each key, from a generator of its own."""
-    generators = [keyed_generator(seed, purpose, key) for key in keys.tolist()]
-    return np.stack([one.standard_normal(count) for one in generators])
+    rows = [
+        keyed_generator(seed, purpose, key).standard_normal(count)
+        for key in keys.tolist()
+    ]
+    return np.stack(rows)
 
 
 def drift(seed: int, channel: int, time: ArrayLike) -> Array:
@@ -89,7 +93,7 @@ class RfKnobs:
     frequency: float = 7.15e9
     power: float = 0.0
     phase: float = 0.0
-    table: Array = field(default_factory=lambda: np.zeros(0))
+    table: Array | Sequence[float] = ()
 
 
 @dataclass
@@ -159,8 +163,7 @@ class SimulatedInstrument:
         # the drives are constant in stretches between edges
         first = np.flatnonzero(np.diff(pulses, prepend=pulses[0] - 1))
         length = np.diff(first, append=len(pulses))
-        begin = BURST_INTERVAL * numbers[:, None]
-        times = begin + (first + length / 2) / rate
+        times = BURST_INTERVAL * numbers[:, None] + (first + length / 2) / rate
         light = self._light(
             panel,
             self._paths(panel, points, places),
@@ -184,9 +187,9 @@ class SimulatedInstrument:
                 ways.append(trace(target, np.zeros((1, 2)), settings, seed))
         else:
             ways.append(trace(self.scene, angles, settings, self.seed))
-        stray = np.reshape([settings.back_range, settings.back_fraction], (2, 1, 1))
-        found = np.concatenate(ways, axis=1)
-        return np.append(found, np.broadcast_to(stray, (2, len(angles), 1)), axis=-1)
+        stray = [[[settings.back_range]], [[settings.back_fraction]]]
+        stray = np.full((2, len(angles), 1), stray)
+        return np.append(np.concatenate(ways, axis=1), stray, axis=-1)
 
     def target_distance(self, stage: float) -> float:
         """Distance of the reference target, m, with its stage at a position, m."""
@@ -262,7 +265,7 @@ class SimulatedInstrument:
         settings = self.settings
         made = []
         for number, one in enumerate((panel.emission, panel.detection)):
-            table = one.table if len(one.table) else np.array([one.phase])
+            table = np.array(one.table if len(one.table) else [one.phase])
             phase = (
                 self.made_phase(number, table[edges % len(table)])
                 + number * settings.phase_offset
@@ -283,10 +286,12 @@ class SimulatedInstrument:
             module = replace(
                 self.modulator, half_wave_angle=angle, frequency=one.frequency
             )
-            waves = [
-                _harmonics(replace(module, eta=eta), HARMONICS) for eta in size.tolist()
-            ]
-            found.append(waves)
+            found.append(
+                [
+                    _harmonics(replace(module, eta=eta), HARMONICS)
+                    for eta in size.tolist()
+                ]
+            )
         return turns * found  # pyright: ignore[reportReturnType]
 
     def made_phase(self, module: int, phase: Array) -> Array:
