@@ -3,7 +3,6 @@
 Coordinates of the camera: x right, y down, z forward; the galvo's beam leaves along +z at 0 V.
 """
 
-from collections.abc import Mapping
 from dataclasses import dataclass
 from functools import cached_property, partial
 from pathlib import Path
@@ -98,19 +97,17 @@ class FrameTarget:
         seen = ((pixels >= 0) & (pixels < self._inverse.shape[::-1])).all(-1)
         u, v = np.moveaxis(np.where(seen[..., None], pixels, 0.0), -1, 0)
         nearest = v.astype(int), u.astype(int)
-        reach = 1 / (self._inverse_at(u, v) * np.where(seen, ahead, np.nan))
-        return RayEnds(reach, self._cosine[nearest], self._reflectance[nearest])
-
-    def _inverse_at(self, u: Array, v: Array) -> Array:
-        """Inverse depth, 1/m, exact on planes; across a step that of the nearest pixel."""
-        height, width = self._inverse.shape
-        row = np.clip(v - 0.5, 0, height - 2).astype(int)
-        column = np.clip(u - 0.5, 0, width - 2).astype(int)
-        return np.where(
+        height, width = self._step.shape
+        row = np.clip(v - 0.5, 0, height - 1).astype(int)
+        column = np.clip(u - 0.5, 0, width - 1).astype(int)
+        # exact on planes; across a step that of the nearest pixel
+        inverse = np.where(
             self._step[row, column] < LARGEST_STEP,
             self._smooth((v, u)),
-            self._inverse[v.astype(int), u.astype(int)],
+            self._inverse[nearest],
         )
+        reach = 1 / (inverse * np.where(seen, ahead, np.nan))
+        return RayEnds(reach, self._cosine[nearest], self._reflectance[nearest])
 
 
 def _cosines(planar: Array, rays: Array) -> Array:
@@ -215,9 +212,9 @@ def scene_from(source: Any) -> Target | None:
         source = load_frame(source)
     if isinstance(source, Frame):
         return FrameTarget(source)
-    options = dict(source) if isinstance(source, Mapping) else {}
     try:
-        return KINDS[options.pop("kind", None)](**options)
+        options = {**source}
+        return KINDS[options.pop("kind")](**options)
     except (KeyError, TypeError):
         what = f"twin.scene to be a name, or a kind out of {', '.join(KINDS)} with its keys"
         raise ValueError(f"Expected {what}, got {source!r}. Correct it.") from None
