@@ -42,7 +42,7 @@ class Chain:
         corners = TAU * settings.bandwidth, TAU * settings.low_pass
         rates = np.array([*corners, 1 / settings.rc_time])
         matrix = np.diag(-rates) + np.diag(rates[1:], -1)
-        push = rates[:1] * np.eye(POLES)[:, :1]
+        push = np.diag(rates)[:, :1]
         system = matrix, push, np.eye(POLES), np.zeros((POLES, 1))
         transition, entry = cont2discrete(system, interval)[:2]  # pyright: ignore[reportIndexIssue]
         # covariance under a one-sided density of 1 for ever, two-sided 1/2
@@ -73,18 +73,17 @@ class Chain:
         first = normals[:, :1] @ self.settled.T
         later = normals[:, 1:] @ self.root.T
         state = light[:, :1] + spread[:, :1] * first[:, 0]
-        push = light[..., None] * self.entry
-        push = push + spread[..., None] * later
-        outputs: list[Array] = []
+        push = light[..., None] * self.entry + spread[..., None] * later
+        outputs = []
         for i, row in enumerate(self.transition):
             into = push[..., i] + sum(map(np.multiply, outputs, row))
-            filtered = lfilter(
+            filtered, _ = lfilter(
                 [0.0, 1.0],
                 [1.0, -row[i]],
                 into,
                 zi=state[:, i : i + 1],
             )
-            outputs.append(filtered[0])
+            outputs.append(filtered)
         return outputs[-1]
 
 

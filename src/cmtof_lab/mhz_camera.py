@@ -122,12 +122,11 @@ class MhzCamera:
         Direct, blurred, and scattered evenly from all of ``field``.
         """
 
-        near = self._lights(view)
-        far = self._lights(field)
+        pairs = zip(self._lights(view), self._lights(field), strict=True)
         phasor, charge = (
             (1 - self.veil) * gaussian_filter(own, self.blur, mode="nearest")
             + self.veil * every.mean()
-            for own, every in zip(near, far, strict=True)
+            for own, every in pairs
         )
         return phasor, charge
 

@@ -19,7 +19,7 @@ from trimesh.creation import box, cylinder, icosphere, torus
 from trimesh.transformations import rotation_matrix
 from trimesh.util import concatenate
 
-from cmtof.types import Array, Fields, Shape, Values
+from cmtof.types import Array, Fields, Shape
 from cmtof_lab import finishes
 from cmtof_lab.finishes import CATALOGUE
 from cmtof_rooms.solids import cells_of, mesh_from, triangles_of
@@ -33,15 +33,14 @@ HEIGHT = 30e-3  # m (known)
 GRADE_2 = 0.45e-6
 MIRRORED = 0.7  # specular weight of a block (assumed): lapping leaves a matt sheen
 
-Specifications = dict[str, Fields]
 # Objects on whose scans a network is fine-tuned (Sec. 6.4).
-TRAINING: Specifications = CATALOGUE["training"]
+TRAINING = CATALOGUE["training"]
 
 # Scanned objects by name, as `objects.yml` describes them.
-OBJECTS: Specifications = CATALOGUE["objects"] | TRAINING
+OBJECTS = CATALOGUE["objects"] | TRAINING
 
 # Full angle, rad, in which an object is scanned.
-FIELD_OF_VIEW: Values = {name: one["field_of_view"] for name, one in OBJECTS.items()}
+FIELD_OF_VIEW = {name: one["field_of_view"] for name, one in OBJECTS.items()}
 
 
 @lru_cache(maxsize=4)
@@ -139,13 +138,8 @@ def gage_blocks(
     # the step is the distance of the two parallel faces, along their normal
     raised = lengths / np.cos(tilt)
     z = distance + np.tan(tilt) * x - raised
-    faces = [
-        [0, 1, 2],
-        [0, 2, 3],
-        [4, 5, 6],
-        [4, 6, 7],
-    ]
-    blocks = mesh_from(np.stack([x, y, z], -1), faces)
+    faces = triangles_of(np.arange(8).reshape(2, 4))
+    blocks = mesh_from(np.transpose([x, y, z]), faces)
     return _finish(blocks, STEEL, MIRRORED)
 
 
@@ -223,7 +217,7 @@ def _lathe(sections: Array, stated: Fields) -> Trimesh:
         grow = 1 + out / np.maximum(np.hypot(x, y), 0.01)
         x *= grow
         y *= grow
-    points = np.stack([x, y, z], axis=-1).reshape(-1, 3)
+    points = np.dstack([x, y, z]).reshape(-1, 3)
     number = np.arange(x.size).reshape(x.shape)
     ring = np.hstack([number, number[:, :1]])
     corners = cells_of(ring)[..., [0, 3, 2, 1]].reshape(-1, 4)

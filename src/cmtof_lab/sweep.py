@@ -69,8 +69,11 @@ class Ranger(ABC):
         A repeat is another day: all that no setting states is drawn again.
         """
         stops = np.asarray(positions, float)
-        days = [np.random.default_rng([seed, repeat]) for repeat in range(repeats)]
-        return np.stack([self.day(target, stops, rng) for rng in days])
+        days = [
+            self.day(target, stops, np.random.default_rng([seed, repeat]))
+            for repeat in range(repeats)
+        ]
+        return np.stack(days)
 
     @abstractmethod
     def day(self, target: Plane, positions: Array, rng: Generator) -> Array:
