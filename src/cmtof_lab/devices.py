@@ -12,6 +12,7 @@ from numpy.typing import ArrayLike
 
 from cmtof.correlation import TAU
 from cmtof.hardware.plan import BURST_INTERVAL, mirror_angles
+from cmtof.hardware.reduction import Gain
 from cmtof.hardware.rf import CODES
 from cmtof.hardware.rig import LIGHT, SAMPLE_RATE, Rig
 from cmtof.hardware.roles import Requests, RfLock, RfStatus, Waiting
@@ -52,17 +53,14 @@ class SimulatedDevice:
     def identify(self) -> Texts:
         return {"model": type(self).__name__, "serial_number": f"TWIN-{self.name}"}
 
-    safe_state = do_nothing
-    close = do_nothing
+    safe_state = close = do_nothing
 
 
 class SimulatedRf(SimulatedDevice):
     """RF driver of the emission or the detection."""
 
     edges = 0
-    set_dead_man = do_nothing
-    clear_trip = do_nothing
-    ping = do_nothing
+    set_dead_man = clear_trip = ping = do_nothing
 
     @property
     def knobs(self) -> RfKnobs:
@@ -109,9 +107,7 @@ class SimulatedRf(SimulatedDevice):
 class SimulatedClock(SimulatedDevice):
     """Function generator that both RF drivers are locked to."""
 
-    reset = do_nothing
-    sine = do_nothing
-    lock_phases = do_nothing
+    reset = sine = lock_phases = do_nothing
 
     def output(self, channel: int, on: bool) -> None:
         self.panel.clock_on = on
@@ -164,8 +160,8 @@ class SimulatedReadOut(SimulatedDevice):
             self.set_line(self.rig.line(part), False)
         self.write_many(dict.fromkeys(self.rig.mirrors, 0.0))
 
-    def gain(self) -> tuple[float, float, float]:
-        return SLOPE, -SLOPE, CENTRE
+    def gain(self) -> Gain:
+        return Gain(SLOPE, -SLOPE, CENTRE)
 
     def line(self, dio: str) -> bool:
         return dio == self.rig.line("interlock") and self.panel.interlock_closed
@@ -188,10 +184,8 @@ class SimulatedReadOut(SimulatedDevice):
             off = mirror_angles(self.rig, self.panel.galvo_volts) - ahead
             self.panel.target_in_beam = bool(np.abs(off).max() < BESIDE)
         if (volts := values.get(self.rig.reference_mirror)) is not None:
-            steps = round(volts / DAC_STEP)
-            self.panel.mirror_travel = (
-                self.rig.reference_mirror_travel * DAC_STEP * steps
-            )
+            step = self.rig.reference_mirror_travel * DAC_STEP  # m
+            self.panel.mirror_travel = step * round(volts / DAC_STEP)
 
     def configure_burst(
         self,
