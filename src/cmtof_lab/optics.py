@@ -23,8 +23,8 @@ SPECULAR_DIFFUSE = 0.02
 # Points of the spot in units of its 1/e^2 radius, and their weights: exact for a Gaussian up to
 # degree 5 (Stroud, Approximate Calculation of Multiple Integrals, 1971, E_2^{r^2}: 5-1)
 _HEXAGON = np.arange(6) * np.pi / 3
-_RING = np.stack([np.cos(_HEXAGON), np.sin(_HEXAGON)], -1)
-_SPOT = np.append([[0.0, 0.0]], _RING, axis=0)  # pyright: ignore[reportArgumentType, reportCallIssue]
+_RING = np.transpose([np.cos(_HEXAGON), np.sin(_HEXAGON)])
+_SPOT = np.vstack([[0.0, 0.0], _RING])
 _WEIGHTS = np.array([1 / 2] + 6 * [1 / 12])
 
 
@@ -37,11 +37,8 @@ class Paths(NamedTuple):
 
 def directions_from_angles(angles: ArrayLike, aside: ArrayLike = 0.0) -> Array:
     """Unit vectors (..., 3) along (tan x, tan y, 1) + aside for optical angles (..., 2), rad."""
-    tangent = np.tan(angles) + aside
-    ahead = np.ones_like(tangent[..., :1])
-    ray = np.concatenate([tangent, ahead], axis=-1)
-    length = np.linalg.norm(ray, axis=-1, keepdims=True)
-    return ray / length
+    ray = np.insert(np.tan(angles) + aside, 2, 1.0, axis=-1)
+    return ray / np.linalg.norm(ray, axis=-1, keepdims=True)
 
 
 def spot_radius(settings: TwinSettings, distance: ArrayLike) -> Array:
@@ -73,7 +70,7 @@ def returned_fractions(settings: TwinSettings, hits: RayEnds) -> list[Array]:
     z = hits.range
     radius = settings.aperture / 2
     lobe = np.hypot(SPECULAR_LOBE, 2 * settings.divergence)
-    with np.errstate(invalid="ignore", divide="ignore", over="ignore"):
+    with np.errstate(all="ignore"):
         # rho cos A / (pi z^2), half of it in the splitter's polarisation; half at the very most
         steradian = (radius / z) ** 2
         rough = np.minimum(0.5 * hits.cosine * steradian, 0.5)

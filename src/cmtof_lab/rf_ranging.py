@@ -13,7 +13,7 @@ with H = 1/(1 + i f/f_c) and the noise e_n of the amplifier behind the mixer, a 
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.random import Generator
+from numpy.random import Generator, default_rng
 from numpy.typing import ArrayLike
 from scipy.constants import Boltzmann, elementary_charge
 
@@ -176,8 +176,7 @@ class RfRanger(PhaseRanger):
         times = np.append(self.times(ranges.size - self.visits), 0.0)
         # the zero and the blocked beam are averaged over many points
         averaged = np.ones(times.size)
-        averaged[: self.visits] = self.points
-        averaged[-1] = self.points
+        averaged[: self.visits] = averaged[-1] = self.points
         key = int(rng.integers(2**62))
         # both parts of the offset, the phase, and the fibre
         slow = [drift(key, channel, times) / DRIFT_RMS for channel in range(4)]
@@ -239,6 +238,6 @@ def rf_image(ranger: RfRanger, target: Target, angles: Array, *, seed: int) -> A
     power = ranger.sent_light * paths.fraction * seen
     # each ray of the spot has a phase of its own: on a slope they partly cancel
     read = ranger.phasor(power, paths.range).sum(-1)
-    rng = np.random.default_rng([seed, 16, ranger.mode == "doubled"])
+    rng = default_rng([seed, 16, ranger.mode == "doubled"])
     read += ranger.noise(power.sum(-1)) * circular_normals(rng, read.size)
     return wrapped(np.angle(read)).reshape(np.shape(angles)[:-1])

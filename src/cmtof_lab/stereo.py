@@ -9,6 +9,7 @@ from dataclasses import dataclass, replace
 from typing import NamedTuple
 
 import numpy as np
+from numpy.linalg import norm
 from numpy.random import Generator
 from numpy.typing import ArrayLike
 from scipy.spatial.transform import RigidTransform, Rotation
@@ -58,8 +59,8 @@ class StereoRig:
             inside = np.ascontiguousarray(pose.apply(points.reshape(-1, 3)))
             inside[~(inside[:, 2] > 0)] = np.nan
             found, _ = cv2.projectPoints(inside, still, still, *lens)
-            seen.append(found.reshape(*points.shape[:-1], 2))
-        return np.stack(seen)
+            seen.append(found)
+        return np.reshape(seen, (2, *points.shape[:-1], 2))
 
     def triangulate(self, pixels: Array) -> Array:
         """Points (..., 3), m, of pairs of pixels (2, ..., 2); NaN without a pair."""
@@ -102,18 +103,14 @@ def simulated_rig(*, baseline: float = 0.3, sensor: Sensor = SENSOR) -> StereoRi
 
 def board_poses(rig: StereoRig, count: int, *, rng: Generator) -> list[RigidTransform]:
     """Poses of a board about 1.1 m away, tilted by 15 to 40 degrees, whole in both images."""
-    poses: list[RigidTransform] = []
+    poses = []
     while len(poses) < count:
-        tilt, about, roll = rng.uniform(
-            [15, 0, -0.4],
-            [40, TAU, 0.4],
+        tilt, about, roll, x, y, z = rng.uniform(
+            [15, 0, -0.4, -0.14, -0.10, 0.9],
+            [40, TAU, 0.4, 0.14, 0.10, 1.3],
         )
         # leaning about an axis in the board, then rolled
         turn = Rotation.from_euler("ZXZ", [about, np.deg2rad(tilt), roll - about])
-        x, y, z = rng.uniform(
-            [-0.14, -0.10, 0.9],
-            [0.14, 0.10, 1.3],
-        )
         pose = RigidTransform.from_components([x * z, y * z, z], turn)
         outline = rig.project(pose.apply(1.6 * BOARD))
         if ((outline > 0) & (outline < rig.shape[::-1])).all():
@@ -205,7 +202,7 @@ def _spot_light(
 ) -> Arrays:
     """Electrons (H, W) of each spot in camera k, none where hidden, and its width, px."""
     away = rig.centres[k] - points
-    distance = np.linalg.norm(away, axis=-1)
+    distance = norm(away, axis=-1)
     facing = np.vecdot(normals_from_points(points), away)
     cosine = np.clip(facing / distance, 0.02, 1)
     rate = np.clip(frame.intensity, 0, 1) * cosine / distance**2
@@ -273,18 +270,16 @@ def _ranges(spots: Spots, rig: StereoRig, draws: Sequence[StereoRig]) -> Arrays:
     missed /= spots.sigma[..., None]
     # chi^2 across the epipolar line: a right pair exceeds 12 in 0.05 % of cases
     points[(missed**2).sum((0, -1)) > 12] = np.nan
-    found = np.linalg.norm(points, axis=-1)
+    found = norm(points, axis=-1)
     variance = np.zeros(found.shape)
     step = 0.05  # px
     for camera, axis in np.ndindex(2, 2):
         moved = spots.pixels.copy()
         moved[camera, ..., axis] += step
-        there = np.linalg.norm(rig.triangulate(moved), axis=-1)
+        there = norm(rig.triangulate(moved), axis=-1)
         variance += ((there - found) / step * spots.sigma[camera]) ** 2
     spread = np.sqrt(variance)
     if draws:
-        others = [
-            np.linalg.norm(one.triangulate(spots.pixels), axis=-1) for one in draws
-        ]
+        others = [norm(one.triangulate(spots.pixels), axis=-1) for one in draws]
         spread = np.hypot(spread, np.std(others, axis=0, ddof=1))
     return found, spread

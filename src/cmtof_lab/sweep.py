@@ -11,7 +11,8 @@ from dataclasses import KW_ONLY, dataclass, field, replace
 from typing import NamedTuple
 
 import numpy as np
-from numpy.random import Generator
+from numpy.linalg import norm
+from numpy.random import Generator, default_rng
 from numpy.typing import ArrayLike
 
 from cmtof.constants import FREQUENCY_DOUBLED, FREQUENCY_SINGLE
@@ -70,7 +71,7 @@ class Ranger(ABC):
         """
         stops = np.asarray(positions, float)
         days = [
-            self.day(target, stops, np.random.default_rng([seed, repeat]))
+            self.day(target, stops, default_rng([seed, repeat]))
             for repeat in range(repeats)
         ]
         return np.stack(days)
@@ -125,6 +126,6 @@ def parts(errors: Array) -> Parts:
     offset = errors.mean(axis=-1)
     slope = errors @ about / (about @ about)
     left = errors - offset[..., None] - slope[..., None] * about
-    scatter = np.linalg.norm(left, axis=-1) / np.sqrt(about.size - 2)
-    rmse = np.linalg.norm(errors, axis=-1) / np.sqrt(about.size)
+    scatter = norm(left, axis=-1) / np.sqrt(about.size - 2)
+    rmse = norm(errors, axis=-1) / np.sqrt(about.size)
     return Parts(offset, slope, scatter, rmse, np.abs(errors).mean(axis=-1))

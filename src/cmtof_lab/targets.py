@@ -10,6 +10,7 @@ from typing import Any, NamedTuple
 
 import numpy as np
 from numpy.lib.stride_tricks import sliding_window_view
+from numpy.linalg import norm
 from numpy.typing import ArrayLike, NDArray
 from pydantic import ConfigDict
 from scipy.interpolate import RegularGridInterpolator
@@ -50,13 +51,8 @@ class Plane:
         normal = np.array([-np.tan(self.tilt_x), 0.0, 1.0])
         along = directions @ normal
         reach = self.distance / np.where(along > 0, along, np.nan)
-        cosine = along / np.linalg.norm(normal)
-        return RayEnds(
-            reach,
-            cosine,
-            np.full(reach.shape, self.reflectance),
-            self.mirrored,
-        )
+        cosine = along / norm(normal)
+        return RayEnds(reach, cosine, self.reflectance, self.mirrored)
 
 
 PLATE = Plane(0.60)  # Diffuse target of Sec. 8.2
@@ -76,7 +72,7 @@ class FrameTarget:
         self._camera = np.array([[fx, sum(skew), cx], [0, fy, cy]], float)
         self._reflectance = np.clip(frame.intensity, 0, 1, dtype=float)
         rays = rays_from_camera(frame.depth.shape, frame.camera)
-        planar = frame.depth / np.linalg.norm(rays, axis=-1)
+        planar = frame.depth / norm(rays, axis=-1)
         self._inverse = 1 / planar
         self._cosine = _cosines(planar, rays)
         middles = [np.arange(size) + 0.5 for size in planar.shape]
@@ -115,10 +111,9 @@ def _cosines(planar: Array, rays: Array) -> Array:
     points = rays * planar[..., None]
     down = _smaller_step(points.swapaxes(0, 1)).swapaxes(0, 1)
     normal = np.cross(_smaller_step(points), down)
-    with np.errstate(invalid="ignore", divide="ignore"):
-        size = np.linalg.norm(normal, axis=-1)
-        along = np.vecdot(normal, rays)
-        cosine = np.abs(along) / size / np.linalg.norm(rays, axis=-1)
+    with np.errstate(all="ignore"):
+        along = np.abs(np.vecdot(normal, rays))
+        cosine = along / norm(normal, axis=-1) / norm(rays, axis=-1)
     return np.clip(np.nan_to_num(cosine, nan=1.0), 0, 1)
 
 
@@ -138,8 +133,8 @@ class MeshTarget:
 
     vertices: NDArray
     faces: NDArray
-    reflectance: float | Array = 0.5  # a number or (V,), which is interpolated
-    mirrored: float | Array = 0.0  # likewise
+    reflectance: ArrayLike = 0.5  # a number or (V,), which is interpolated
+    mirrored: ArrayLike = 0.0  # likewise
 
     @classmethod
     def from_mesh(cls, mesh: Any) -> "MeshTarget":
@@ -175,15 +170,15 @@ class MeshTarget:
         """Ranges (N,), m, and cosines of rays on the planes of triangles, in double precision."""
         a, b, c = np.asarray(self.vertices, float)[corners].swapaxes(0, 1)
         normal = np.cross(b - a, c - a)
-        with np.errstate(divide="ignore", invalid="ignore"):
+        with np.errstate(all="ignore"):
             along = np.vecdot(rays, normal)
-            cosine = np.abs(along) / np.linalg.norm(normal, axis=-1)
+            cosine = np.abs(along) / norm(normal, axis=-1)
             return np.vecdot(a, normal) / along, np.nan_to_num(cosine)
 
     def is_hidden(self, points: Array, eye: ArrayLike) -> Flags:
         """Whether something stands between points (..., 3) of the surface and an eye (3,), m."""
         way = np.subtract(points.reshape(-1, 3), eye)
-        far = np.linalg.norm(way, axis=-1)
+        far = norm(way, axis=-1)
         rays = (way / far[:, None]).astype(np.float32)
         reach = (far - SURFACE).astype(np.float32)
         found = self._tracer.is_blocked(np.full_like(rays, eye), rays, reach)
