@@ -79,13 +79,10 @@ def drawn_terms(target: Plane, mode: str, *, days: int, seed: int) -> Values:
     """Errors without a closed form, m: RF leakage and laser drift, each alone before a mirror."""
     mirror = replace(MIRROR, distance=target.distance)
     still = {"days": days, "seed": seed, "stage_error": 0.0, "air_change": (0, 0)}
-    alone = {
-        "RF leakage": ideal_but_for("leakage"),
-        "laser drift": ideal_but_for("fibre_low", "fibre_high"),
-    }
+    alone = {"RF leakage": ["leakage"], "laser drift": ["fibre_low", "fibre_high"]}
     found = {}
-    for name, one in alone.items():
-        errors = simulated_errors(one, mirror, mode, **still)
+    for name, flaws in alone.items():
+        errors = simulated_errors(ideal_but_for(*flaws), mirror, mode, **still)
         found[name] = np.sqrt(np.mean(errors**2))
     return found
 
@@ -100,9 +97,10 @@ def air_term(target: Plane) -> float:
 def drift_spread(times: ArrayLike, reference: ArrayLike) -> float:
     """Rms of the drift at ``times`` less its mean at ``reference``, s, in units of its own rms."""
     rate = TAU * DRIFT_OCTAVES
-    now = np.exp(1j * np.multiply.outer(times, rate))
-    then = np.exp(1j * np.multiply.outer(reference, rate)).mean(0)
-    return np.sqrt(np.mean(np.abs(now - then) ** 2))
+    now, then = (
+        np.exp(1j * np.multiply.outer(when, rate)) for when in (times, reference)
+    )
+    return np.sqrt(np.mean(np.abs(now - then.mean(0)) ** 2))
 
 
 def back_ratio(settings: TwinSettings, target: Plane) -> float:

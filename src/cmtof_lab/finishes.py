@@ -6,7 +6,20 @@ Reliefs return how far the skin stands out, m, holes where it is open, looks the
 
 from pathlib import Path
 
-from numpy import abs, arctan2, clip, cos, exp, floor, hypot, pi, sin, sqrt, where
+from numpy import (
+    abs,
+    arctan2,
+    clip,
+    cos,
+    exp,
+    floor,
+    hypot,
+    multiply,
+    pi,
+    sin,
+    sqrt,
+    where,
+)
 from numpy.typing import ArrayLike
 
 from cmtof.correlation import TAU
@@ -41,12 +54,9 @@ def relief(name: str, x: Array, y: Array, z: Array) -> Array:
         return globals()[name](x, y, z)
     turn = arctan2(x, -y)
     out = 0 * x
-    for height, along_x, along_y, along_z, around, phase in CATALOGUE["waves"][name]:
-        angle = phase + around * turn
-        angle += along_x * x
-        angle += along_y * y
-        angle += along_z * z
-        out += height * sin(angle)
+    for height, *along, around, phase in CATALOGUE["waves"][name]:
+        turned = map(multiply, [around, *along], [turn, x, y, z])
+        out += height * sin(sum(turned, phase))
     return out
 
 

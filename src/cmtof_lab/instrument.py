@@ -48,7 +48,7 @@ from cmtof_lab.targets import Plane, scene_from
 HARMONICS = 16  # Highest harmonic of the drive that is kept: J_16(2 eta) < 1e-12 up to eta = 1.5
 # Frequencies of a drift, Hz, from 1 mHz to 0.5 Hz
 DRIFT_OCTAVES = 1e-3 * 2.0 ** np.arange(10)
-DRIFT_RMS = float(1 / np.sqrt(2 * DRIFT_OCTAVES.size))
+DRIFT_RMS = 1 / np.sqrt(2 * DRIFT_OCTAVES.size)
 
 # Phase noise of a step over that of 16: mean of (2 sin^2)^2 is 3/2
 STEP_NOISE = np.sqrt(32 / 3)
@@ -265,11 +265,9 @@ class SimulatedInstrument:
         settings = self.settings
         made = []
         for number, one in enumerate((panel.emission, panel.detection)):
-            table = np.array(one.table if len(one.table) else [one.phase])
-            phase = (
-                self.made_phase(number, table[edges % len(table)])
-                + number * settings.phase_offset
-            )
+            table = one.table if len(one.table) else [one.phase]
+            phase = self.made_phase(number, np.take(table, edges, mode="wrap"))
+            phase += number * settings.phase_offset
             size = amplitude(settings, one.power, one.frequency) if one.on else 0.0
             made.append(size * np.exp(-1j * phase))
         leak = settings.leakage * np.exp(-1j * settings.leakage_phase)
@@ -301,7 +299,7 @@ class SimulatedInstrument:
         skew = self.settings.iq_imbalance * np.sin(2 * phase)
         return phase + error + skew
 
-    def from_fibre(self, panel: Panel, times: Array) -> Array:
+    def from_fibre(self, panel: Panel, times: ArrayLike) -> Array:
         """Power behind the fibre at times, W; 0 unless laser, shutter and interlock let it pass."""
         settings = self.settings
         passed = panel.laser_on and panel.shutter_open and panel.interlock_closed
@@ -316,7 +314,7 @@ class SimulatedInstrument:
     def laser_power(self, panel: Panel) -> float:
         """Power that the integrating sphere behind the first beam splitter sees, W (Sec. 7.1)."""
         settings = self.settings
-        power = self.from_fibre(panel, np.array(panel.time))
+        power = self.from_fibre(panel, panel.time)
         emitted = power * self.emission(panel)[0].real
         passed = settings.lens**2 * settings.mirror * settings.splitter
         return float(emitted * passed)

@@ -27,6 +27,7 @@ from cmtof.correlation import (
     wrap_length,
 )
 from cmtof.detector import quantise, skellam_gaussian
+from cmtof.hardware.reduction import nominal_psi
 from cmtof.types import Array, Arrays, Complex, Shape
 from cmtof_lab.optics import SPECULAR_DIFFUSE, SPECULAR_LOBE, lobe_share
 from cmtof_lab.targets import RayEnds
@@ -34,7 +35,7 @@ from cmtof_lab.targets import RayEnds
 Light = tuple[Complex, Array]
 
 STEPS = 4  # phase steps of an image; their exposures add up to the whole
-PSI = TAU * np.arange(STEPS) / STEPS
+PSI = nominal_psi(STEPS)
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -94,7 +95,7 @@ class MhzCamera:
         """
         z = view.range
         sent = self._electrons(self.power) / np.prod(self.shape)
-        with np.errstate(invalid="ignore", divide="ignore"):
+        with np.errstate(all="ignore"):
             lobe = np.hypot(SPECULAR_LOBE, self.source_radius / z)
             # a Gaussian lobe of half angle w peaks at 2 / (pi w^2) per sr, white paper at 1 / pi
             mirror = 2 / lobe**2 * lobe_share(view.cosine, lobe)

@@ -134,7 +134,7 @@ def gage_blocks(
     """
     x = np.array([0, -1, -1, 0, 0, 1, 1, 0]) * WIDTH
     y = np.tile([-0.5, -0.5, 0.5, 0.5], 2) * HEIGHT
-    lengths = np.repeat([errors[0], step + errors[1]], 4)
+    lengths = np.repeat(np.add([0, step], errors), 4)
     # the step is the distance of the two parallel faces, along their normal
     raised = lengths / np.cos(tilt)
     z = distance + np.tan(tilt) * x - raised
@@ -145,7 +145,7 @@ def gage_blocks(
 
 def _piece(stated: Fields) -> Trimesh:
     """A piece of an object as ``objects.yml`` states it."""
-    kind = next(word for word in SHAPES if word in stated)
+    (kind,) = SHAPES.keys() & stated
     place = {key: stated[key] for key in ("mirrored", "at", "turn") if key in stated}
     look = getattr(finishes, str(stated["look"]), stated["look"])
     return _finish(SHAPES[kind](stated), look, **place)
@@ -230,10 +230,8 @@ def _lathe(sections: Array, stated: Fields) -> Trimesh:
 
 def _skin(sections: Array, grid: Shape) -> tuple[Array, Array, Array]:
     """Coordinates (rows, columns) of a body's skin, evenly along its profile and around it."""
-    last = sections.shape[1] - 1
-    path = sections[:, np.minimum(range(4), last)]
-    sides = np.diff(path[:, :2], axis=0)
-    lengths = np.linalg.norm(sides, axis=1)
+    path = np.take(sections, range(4), axis=1, mode="clip")
+    lengths = np.linalg.norm(np.diff(path[:, :2], axis=0), axis=1)
     along = np.append(0, lengths.cumsum())
     evenly = np.linspace(0, along[-1], grid[0])
     profile = PchipInterpolator(along, path)(evenly)
