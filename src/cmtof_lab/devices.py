@@ -18,7 +18,7 @@ from cmtof.hardware.rig import LIGHT, SAMPLE_RATE, Rig
 from cmtof.hardware.roles import Requests, RfLock, RfStatus, Waiting
 from cmtof.types import Array, Counts, Fields, Named, Texts
 from cmtof_lab.compared_bursts import fringes, quadratures
-from cmtof_lab.electronics import CENTRE, SLOPE
+from cmtof_lab.electronics import GAIN
 from cmtof_lab.instrument import Panel, RfKnobs, SimulatedInstrument
 
 TDAC_STEP = 20.0 / 2**14  # Step of the LJTick-DAC, 14 bit, V
@@ -161,7 +161,7 @@ class SimulatedReadOut(SimulatedDevice):
         self.write_many(dict.fromkeys(self.rig.mirrors, 0.0))
 
     def gain(self) -> Gain:
-        return Gain(SLOPE, -SLOPE, CENTRE)
+        return GAIN
 
     def line(self, dio: str) -> bool:
         return dio == self.rig.line("interlock") and self.panel.interlock_closed
@@ -255,5 +255,4 @@ def simulated_devices(instrument: SimulatedInstrument, rig: Rig) -> Fields:
 
 def _round_to_codes(phases: ArrayLike) -> Array:
     """Phases as the drivers' codes hold them, rad in [0, 2 pi)."""
-    codes = np.rint(np.multiply(phases, CODES) / TAU) % CODES
-    return codes * (TAU / CODES)
+    return np.rint(np.multiply(phases, CODES) / TAU) % CODES * (TAU / CODES)

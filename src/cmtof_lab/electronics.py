@@ -7,12 +7,14 @@ from scipy.linalg import solve_continuous_lyapunov
 from scipy.signal import cont2discrete, lfilter
 
 from cmtof.correlation import TAU
+from cmtof.hardware.reduction import Gain
 from cmtof.types import Array, Counts
 from cmtof_lab.settings import TwinSettings
 
 # nominal calibration at +-10 V (T-Series Datasheet, 20.0.1)
 SLOPE = 3.15805780e-4  # V per count
 CENTRE = 33523.0  # count of 0 V
+GAIN = Gain(SLOPE, -SLOPE, CENTRE)
 POLES = 3  # of the filters
 
 
@@ -39,8 +41,9 @@ class Chain:
     """
 
     def __init__(self, settings: TwinSettings, interval: float) -> None:
-        corners = TAU * settings.bandwidth, TAU * settings.low_pass
-        rates = np.array([*corners, 1 / settings.rc_time])
+        rates = np.array(
+            [TAU * settings.bandwidth, TAU * settings.low_pass, 1 / settings.rc_time]
+        )
         matrix = np.diag(-rates) + np.diag(rates[1:], -1)
         push = np.diag(rates)[:, :1]
         system = matrix, push, np.eye(POLES), np.zeros((POLES, 1))
@@ -96,10 +99,8 @@ def root_of(covariance: Array) -> Array:
 def counts_from_volts(volts: ArrayLike, noise: ArrayLike = 0.0) -> Counts:
     """Raw stream counts of the T7, rounded and clipped; its ``noise`` is in counts."""
     raw = np.divide(volts, SLOPE) + CENTRE
-    rounded = np.rint(np.add(raw, noise))
-    return np.clip(rounded, 0, 65535).astype(np.uint16)
+    return np.rint(np.add(raw, noise)).clip(0, 65535).astype(np.uint16)
 
 
-def volts_from_counts(counts: ArrayLike) -> Array:
-    """Volts of raw stream counts by the nominal calibration."""
-    return np.subtract(counts, CENTRE) * SLOPE
+# Volts of raw stream counts by the nominal calibration
+volts_from_counts = GAIN.volts_from_counts

@@ -83,8 +83,9 @@ class FrameTarget:
             fill_value=None,  # pyright: ignore[reportArgumentType]
         )
         corners = sliding_window_view(self._inverse, (2, 2))
-        smallest = corners.min(axis=(2, 3))
-        self._step = np.ptp(corners, axis=(2, 3)) / smallest
+        step = np.ptp(corners, axis=(2, 3)) / corners.min(axis=(2, 3))
+        # the rim beyond the outer middles belongs to the next cell
+        self._step = np.pad(step, 1, mode="edge")
 
     def look(self, directions: Array) -> RayEnds:
         """Trace unit rays (..., 3) from the origin."""
@@ -93,12 +94,10 @@ class FrameTarget:
         seen = ((pixels >= 0) & (pixels < self._inverse.shape[::-1])).all(-1)
         u, v = np.moveaxis(np.where(seen[..., None], pixels, 0.0), -1, 0)
         nearest = v.astype(int), u.astype(int)
-        height, width = self._step.shape
-        row = np.clip(v - 0.5, 0, height - 1).astype(int)
-        column = np.clip(u - 0.5, 0, width - 1).astype(int)
+        cell = (v + 0.5).astype(int), (u + 0.5).astype(int)
         # exact on planes; across a step that of the nearest pixel
         inverse = np.where(
-            self._step[row, column] < LARGEST_STEP,
+            self._step[cell] < LARGEST_STEP,
             self._smooth((v, u)),
             self._inverse[nearest],
         )
@@ -123,8 +122,7 @@ def _smaller_step(points: Array) -> Array:
     left = step[:, :-1]
     right = step[:, 1:]
     size = np.nan_to_num(np.abs(step[..., 2:]), nan=np.inf)
-    nearer = size[:, :-1] < size[:, 1:]
-    return np.where(nearer, left, right)
+    return np.where(size[:, :-1] < size[:, 1:], left, right)
 
 
 @dataclass(frozen=True, eq=False)
@@ -155,8 +153,7 @@ class MeshTarget:
         rays = np.ascontiguousarray(exact, np.float32)
         hits = self._tracer.nearest(np.zeros_like(rays), rays)
         met = hits.triangle >= 0
-        triangle = np.where(met, hits.triangle, 0)
-        corners = np.asarray(self.faces)[triangle]
+        corners = np.asarray(self.faces)[np.where(met, hits.triangle, 0)]
         reach, cosine = self._plane_met(exact, corners)
         found = [np.where(met, reach, np.nan), cosine]
         weights = np.stack([1 - hits.u - hits.v, hits.u, hits.v], -1)
