@@ -314,8 +314,7 @@ class SimulatedInstrument:
     def laser_power(self, panel: Panel) -> float:
         """Power that the integrating sphere behind the first beam splitter sees, W (Sec. 7.1)."""
         settings = self.settings
-        power = self.from_fibre(panel, panel.time)
-        emitted = power * self.emission(panel)[0].real
+        emitted = self.from_fibre(panel, panel.time) * self.emission(panel)[0].real
         passed = settings.lens**2 * settings.mirror * settings.splitter
         return float(emitted * passed)
 

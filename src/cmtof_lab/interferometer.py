@@ -180,8 +180,7 @@ class Interferometer(Ranger):
 
     def bound(self, target: Plane, positions: ArrayLike) -> Array:
         """Cramer-Rao least standard deviation (P,), m, by noise alone, speckle at its mean."""
-        ranges = np.add(target.distance, positions)
-        seen = self.fringes(target, ranges)
+        seen = self.fringes(target, np.add(target.distance, positions))
         noise = linear_phase_noise(seen.amplitude, seen.variance, self.steps)
         return self.wavelength / (2 * TAU) * noise
 

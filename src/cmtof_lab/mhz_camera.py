@@ -113,8 +113,7 @@ class MhzCamera:
 
     def _electrons(self, power: float) -> float:
         """Electrons of one step that a power, W, before the lens makes."""
-        energy = power * self.exposure / STEPS
-        photons = energy * self.wavelength / (h * c)
+        photons = power * self.exposure / STEPS * self.wavelength / (h * c)
         return photons * self.transmission * self.efficiency
 
     def light(self, view: RayEnds, field: RayEnds) -> Light:
@@ -134,8 +133,7 @@ class MhzCamera:
     def _lights(self, view: RayEnds) -> Light:
         """Phasor of the direct light, and charge by all light, electrons of a step (H, W)."""
         own = self.signal(view)
-        turn = -1j * (TAU / self.wrap)
-        phasor = own * np.exp(turn * np.nan_to_num(view.range))
+        phasor = own * np.exp(-1j * (TAU / self.wrap) * np.nan_to_num(view.range))
         return phasor, own + self.room(view)
 
     def differences(self, light: Light) -> Array:

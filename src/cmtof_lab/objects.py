@@ -100,11 +100,13 @@ def _stage(things: Iterable[Trimesh], wide: float, wall: float, *looks: float) -
     """Things on a table before a wall ``wall`` m behind the origin, looks those of both."""
     board = _box((wide, 0.75 * wide, 0.01))
     back = _box((wide, 0.01, wide))
-    ground = [
-        _finish(board, looks[0], at=(0, -wide / 8, -0.01)),
-        _finish(back, looks[1], at=(0, wall + 0.005, -0.1)),
-    ]
-    return concatenate([*things, *ground])
+    return concatenate(
+        [
+            *things,
+            _finish(board, looks[0], at=(0, -wide / 8, -0.01)),
+            _finish(back, looks[1], at=(0, wall + 0.005, -0.1)),
+        ]
+    )
 
 
 def _place_scene(
@@ -139,8 +141,7 @@ def gage_blocks(
     raised = lengths / np.cos(tilt)
     z = distance + np.tan(tilt) * x - raised
     faces = triangles_of(np.arange(8).reshape(2, 4))
-    blocks = mesh_from(np.transpose([x, y, z]), faces)
-    return _finish(blocks, STEEL, MIRRORED)
+    return _finish(mesh_from(np.transpose([x, y, z]), faces), STEEL, MIRRORED)
 
 
 def _piece(stated: Fields) -> Trimesh:
@@ -196,8 +197,7 @@ def _rod(stated: Fields) -> Trimesh:
     return cylinder(radius, sections=240, segment=ends)
 
 
-# Of a ring
-UPRIGHT = rotation_matrix(-np.pi / 2, [1, 0, 0])
+UPRIGHT = rotation_matrix(-np.pi / 2, [1, 0, 0])  # of a ring
 # Makers of the shapes of `objects.yml`.
 SHAPES = {
     "body": _body,
@@ -222,9 +222,8 @@ def _lathe(sections: Array, stated: Fields) -> Trimesh:
     ring = np.hstack([number, number[:, :1]])
     corners = cells_of(ring)[..., [0, 3, 2, 1]].reshape(-1, 4)
     if "holes" in stated:
-        middles = points[corners].mean(1)
-        opened = getattr(finishes, stated["holes"])(*middles.T)
-        corners = corners[~opened]
+        opened = getattr(finishes, stated["holes"])
+        corners = corners[~opened(*points[corners].mean(1).T)]
     return mesh_from(points, triangles_of(corners))
 
 
@@ -233,8 +232,7 @@ def _skin(sections: Array, grid: Shape) -> tuple[Array, Array, Array]:
     path = np.take(sections, range(4), axis=1, mode="clip")
     lengths = np.linalg.norm(np.diff(path[:, :2], axis=0), axis=1)
     along = np.append(0, lengths.cumsum())
-    evenly = np.linspace(0, along[-1], grid[0])
-    profile = PchipInterpolator(along, path)(evenly)
+    profile = PchipInterpolator(along, path)(np.linspace(0, along[-1], grid[0]))
     z, side, front, back = np.repeat(profile.T[..., None], grid[1], axis=2)
     turn = np.linspace(-np.pi, np.pi, grid[1], endpoint=False)  # 0 is the front
     reach = np.where(np.cos(turn) > 0, -front, -back)

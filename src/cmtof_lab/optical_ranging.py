@@ -95,8 +95,7 @@ class OpticalRanger(PhaseRanger):
         )
         thicker = self._air_change(settings, rng)
         place = stated + self.stage_error * rng.standard_normal(stated.size)
-        times = self.times(positions.size)
-        labels = 1 + np.rint(times / BURST_INTERVAL).astype(int)
+        labels = 1 + np.rint(self.times(positions.size) / BURST_INTERVAL).astype(int)
         phases = self.phase(self.counts(instrument, place, labels))
         ranges = index * (target.distance + stated)
         off = range_errors(phases, ranges, self.frequency, visits=self.visits)[
@@ -134,8 +133,8 @@ class OpticalRanger(PhaseRanger):
         per_watt = volts_per_watt(settings) * dimming
         counts = settings.converter_noise**2 + 1 / 12
         kept = self.phases * (self.samples - self.settle)
-        variance = density(settings, per_watt * mean) * self._bandwidth()
-        variance = variance + 2 / kept * counts * SLOPE**2
+        analog = density(settings, per_watt * mean) * self._bandwidth()
+        variance = analog + 2 / kept * counts * SLOPE**2
         return dimming, np.sqrt(variance) / (per_watt * amplitude)
 
     def _bandwidth(self) -> float:

@@ -54,8 +54,7 @@ def aperture_area(settings: TwinSettings) -> float:
 def speckle_cells(settings: TwinSettings, distance: ArrayLike) -> Array:
     """Speckle cells in the aperture, ``1 + A pi w^2 / (lambda z)^2``; their contrast is 1/sqrt."""
     # (lambda z)^2 / (pi w^2): coherence area of a Gaussian spot (Goodman, Speckle, 2007, ch. 4)
-    area = aperture_area(settings)
-    product = area * np.pi * spot_radius(settings, distance) ** 2
+    product = aperture_area(settings) * np.pi * spot_radius(settings, distance) ** 2
     return 1 + product / np.multiply(settings.wavelength, distance) ** 2
 
 
@@ -92,8 +91,8 @@ def trace(
 ) -> Paths:
     """Paths (N, 7) of the spot's sub-rays for optical angles (N, 2), rad."""
     # the spot's angle at 1 m serves at every range, or each ray would have to be traced twice
-    angle = spot_radius(settings, 1.0)
-    rays = directions_from_angles(angles[:, None, :], angle * _SPOT)
+    spot = spot_radius(settings, 1.0) * _SPOT
+    rays = directions_from_angles(angles[:, None], spot)
     hits = target.look(rays)
     distance = np.where(hits.range > 0, hits.range, 0.0)
     rough, polished = (_WEIGHTS * one for one in returned_fractions(settings, hits))
@@ -135,8 +134,7 @@ def inward(settings: TwinSettings) -> float:
 
 def ambient(settings: TwinSettings) -> float:
     """Room light, W, behind `inward`: radiance times aperture times solid angle, half polarised."""
-    view = np.pi * settings.field_of_view**2 / 4
-    etendue = aperture_area(settings) * view
+    etendue = aperture_area(settings) * (np.pi * settings.field_of_view**2 / 4)
     return 0.5 * settings.ambient_radiance * etendue * inward(settings)
 
 
@@ -148,8 +146,7 @@ def emission_harmonics(settings: TwinSettings, mode: str) -> Complex:
 
 def emission_mean(settings: TwinSettings, mode: str) -> float:
     """Mean transmission of that module, mirror included."""
-    mean = emission_harmonics(settings, mode)[0].real
-    return mean * settings.mirror_reflectance
+    return emission_harmonics(settings, mode)[0].real * settings.mirror_reflectance
 
 
 def sent_power(settings: TwinSettings, mode: str = "single") -> float:

@@ -159,10 +159,8 @@ class RfRanger(PhaseRanger):
         """Estimated ranges (P,), m, of one sweep."""
         count = self.visits
         ranges = target.distance + np.append(zero_positions(count), positions)
-        read = self.readings(target, ranges, rng)
-        turned = read * np.exp(-1j * self.phase(ranges))
-        zero = turned[:count].sum()
-        off = centred(np.angle(turned[count:] / zero))
+        turned = self.readings(target, ranges, rng) * np.exp(-1j * self.phase(ranges))
+        off = centred(np.angle(turned[count:] / turned[:count].sum()))
         return ranges[count:] + off / self.phase(1.0)
 
     def bound(self, target: Plane, positions: ArrayLike) -> Array:
@@ -193,8 +191,9 @@ class RfRanger(PhaseRanger):
             self.settings.back_range,
             turn,
         )
-        noise = self.noise(light) / np.sqrt(averaged)
-        noise = noise * circular_normals(rng, times.size)
+        noise = (
+            self.noise(light) / np.sqrt(averaged) * circular_normals(rng, times.size)
+        )
         return self._read(constant + self._fibre(slow[3]) * seen + noise, rng)
 
     def _read(self, envelopes: Complex, rng: Generator) -> Complex:

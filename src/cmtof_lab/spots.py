@@ -53,7 +53,7 @@ def photographed_spots(
     away = np.arange(WINDOW + 1) - true[..., None]
     shares = np.diff(ndtr(away / width[:, None, None]), axis=-1)
     across, down = np.moveaxis(shares, 1, 0)
-    mean = rate[:, None, None] * down[:, :, None] * across[:, None, :]
+    mean = rate[:, None, None] * down[..., None] * across[:, None]
     mean += sensor.ambient
     drawn = rng.poisson(mean) + sensor.read_noise * rng.standard_normal(mean.shape)
     return np.minimum(drawn, sensor.full_well) - sensor.ambient
@@ -75,7 +75,7 @@ def place_spots(windows: ArrayLike, sensor: Sensor) -> Arrays:
     for _ in range(12):
         off = np.arange(light.shape[-1]) + 0.5 - centre[..., None]
         near = np.exp(-(off**2) / 2 / WEIGHT**2)
-        weight = near[1, :, :, None] * near[0, :, None, :]
+        weight = near[1, ..., None] * near[0, :, None]
         lit = weight * light
         total = np.maximum(lit.sum((1, 2)), 1e-9)
         pull = np.vecdot([lit.sum(1), lit.sum(2)], off)

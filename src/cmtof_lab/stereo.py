@@ -123,10 +123,8 @@ def calibrate(corners: ArrayLike, shape: Shape) -> tuple[StereoRig, float]:
     import cv2
 
     corners = np.asarray(corners, np.float32)
-    views = corners.shape[1]
-
     rms, left, bent_left, right, bent_right, turn, shift, *_ = cv2.stereoCalibrate(  # pyright: ignore[reportCallIssue]
-        [BOARD.astype(np.float32)] * views,
+        [BOARD.astype(np.float32)] * corners.shape[1],
         *map(list, corners),
         *[None] * 4,  # nothing is known of the lenses
         shape[::-1],

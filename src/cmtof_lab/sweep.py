@@ -123,9 +123,9 @@ class Parts(NamedTuple):
 def parts(errors: Array) -> Parts:
     """Offset, slope, scatter, RMSE and MAE of errors (..., P), m, at `POSITIONS`."""
     about = POSITIONS - POSITIONS.mean()
-    offset = errors.mean(axis=-1)
+    offset = errors.mean(-1)
     slope = errors @ about / (about @ about)
     left = errors - offset[..., None] - slope[..., None] * about
     scatter = norm(left, axis=-1) / np.sqrt(about.size - 2)
     rmse = norm(errors, axis=-1) / np.sqrt(about.size)
-    return Parts(offset, slope, scatter, rmse, np.abs(errors).mean(axis=-1))
+    return Parts(offset, slope, scatter, rmse, np.abs(errors).mean(-1))
