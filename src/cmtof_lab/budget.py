@@ -19,7 +19,7 @@ from cmtof_lab.instrument import DRIFT_OCTAVES
 from cmtof_lab.optical_ranging import OpticalRanger
 from cmtof_lab.optics import returned_fractions
 from cmtof_lab.settings import TwinSettings
-from cmtof_lab.sweep import FREQUENCY, POSITIONS, STAGE_ERROR
+from cmtof_lab.sweep import ABOUT, FREQUENCY, POSITIONS, STAGE_ERROR
 from cmtof_lab.targets import MIRROR, Plane, RayEnds
 
 REAL = TwinSettings()
@@ -47,9 +47,9 @@ def budget_terms(
 def noise_terms(target: Plane, mode: str) -> Values:
     """Noise of photons, amplifier and converter, m: differences of Cramer-Rao bounds."""
     silent = replace(REAL, converter_noise=0.0)
-    dark = replace(silent, noise_density=0.0)
     every, analog, photons = (
-        OpticalRanger(one, mode).bound(target, [0.0])[0] for one in (REAL, silent, dark)
+        OpticalRanger(one, mode).bound(target, [0.0])[0]
+        for one in (REAL, silent, replace(silent, noise_density=0.0))
     )
     return {
         "photon noise": photons,
@@ -60,8 +60,9 @@ def noise_terms(target: Plane, mode: str) -> Values:
 
 def phase_terms(target: Plane, mode: str) -> Values:
     """Errors of phase in closed form, m: drift, codes, I/Q imbalance, back-reflection."""
-    waits = np.arange(POSITIONS.size) + OpticalRanger.age
-    drifted = drift_spread(waits, np.arange(OpticalRanger.visits))
+    drifted = drift_spread(
+        np.arange(POSITIONS.size) + OpticalRanger.age, np.arange(OpticalRanger.visits)
+    )
     phases = {
         "RF phase drift": MODES[mode] * REAL.phase_drift * drifted,
         "phase codes": MODES[mode]
@@ -124,8 +125,6 @@ def simulated_errors(
     **lab: Any,
 ) -> Array:
     """Errors (days, P), m, of the sweep of Fig. 13; ``lab`` are fields of `OpticalRanger`."""
-    about = POSITIONS - POSITIONS.mean()  # centred as the zero's wrap is
     ranger = OpticalRanger(settings, mode, **lab)
-    return (
-        ranger.sweep(target, about, repeats=days, seed=seed) - target.distance - about
-    )
+    found = ranger.sweep(target, ABOUT, repeats=days, seed=seed)
+    return found - target.distance - ABOUT

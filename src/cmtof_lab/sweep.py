@@ -24,6 +24,7 @@ from cmtof_lab.targets import Plane, RayEnds
 
 # Stage positions, m: 1 mm in steps of 50 um (Sec. 8.2)
 POSITIONS = 5e-5 * np.arange(21)
+ABOUT = POSITIONS - POSITIONS.mean()  # about their middle, as a zero's wrap is
 STAGE_ERROR = 5e-8  # Error of a position of the stage, rms, m (Sec. 8.2)
 WRAP = float(wrap_length(FREQUENCY_SINGLE))  # m
 # Modulation frequency of each mode, Hz.
@@ -39,8 +40,9 @@ def collected_power(
     settings: TwinSettings, target: Plane, ranges: ArrayLike, mode: str = "single"
 ) -> Array:
     """Mean light (...), W, behind the receiving optics, of a target at ranges (...), m."""
-    places = np.append(target.distance, ranges)
-    hits = RayEnds(places, 1.0, target.reflectance, target.mirrored)
+    hits = RayEnds(
+        np.append(target.distance, ranges), 1.0, target.reflectance, target.mirrored
+    )
     share = sum(returned_fractions(settings, hits))
     # a mirror turns the rim of the spot away: the same part of it at every range
     smooth = replace(settings, speckle=False)
@@ -122,10 +124,9 @@ class Parts(NamedTuple):
 
 def parts(errors: Array) -> Parts:
     """Offset, slope, scatter, RMSE and MAE of errors (..., P), m, at `POSITIONS`."""
-    about = POSITIONS - POSITIONS.mean()
     offset = errors.mean(-1)
-    slope = errors @ about / (about @ about)
-    left = errors - offset[..., None] - slope[..., None] * about
-    scatter = norm(left, axis=-1) / np.sqrt(about.size - 2)
-    rmse = norm(errors, axis=-1) / np.sqrt(about.size)
+    slope = errors @ ABOUT / (ABOUT @ ABOUT)
+    left = errors - offset[..., None] - slope[..., None] * ABOUT
+    scatter = norm(left, axis=-1) / np.sqrt(ABOUT.size - 2)
+    rmse = norm(errors, axis=-1) / np.sqrt(ABOUT.size)
     return Parts(offset, slope, scatter, rmse, np.abs(errors).mean(-1))
