@@ -174,18 +174,18 @@ class SimulatedReadOut(SimulatedDevice):
                 setattr(self.panel, knob, high)
 
     def write_many(self, values: Named) -> None:
-        for axis, name in enumerate(self.rig.mirrors):
+        rig = self.rig
+        panel = self.panel
+        for axis, name in enumerate(rig.mirrors):
             if name in values:
-                self.panel.galvo_volts[axis] = (
-                    round(values[name] / TDAC_STEP) * TDAC_STEP
-                )
-        if self.rig.flip_mirror == "photodiode":  # the target stands among the scene
-            ahead = np.deg2rad(self.rig.reference_direction_deg)
-            off = mirror_angles(self.rig, self.panel.galvo_volts) - ahead
-            self.panel.target_in_beam = bool(np.abs(off).max() < BESIDE)
-        if (volts := values.get(self.rig.reference_mirror)) is not None:
-            step = self.rig.reference_mirror_travel * DAC_STEP  # m
-            self.panel.mirror_travel = step * round(volts / DAC_STEP)
+                panel.galvo_volts[axis] = round(values[name] / TDAC_STEP) * TDAC_STEP
+        if rig.flip_mirror == "photodiode":  # the target stands among the scene
+            ahead = np.deg2rad(rig.reference_direction_deg)
+            off = mirror_angles(rig, panel.galvo_volts) - ahead
+            panel.target_in_beam = bool(np.abs(off).max() < BESIDE)
+        if (volts := values.get(rig.reference_mirror)) is not None:
+            step = rig.reference_mirror_travel * DAC_STEP  # m
+            panel.mirror_travel = step * round(volts / DAC_STEP)
 
     def configure_burst(
         self,
@@ -201,30 +201,31 @@ class SimulatedReadOut(SimulatedDevice):
         self._pulses = np.arange(scans) // pulse
 
     def bursts(self, requests: Requests) -> Iterator[Counts]:
+        panel = self.panel
         angles = []
         labels = []
         travels = []
         for registers in requests:
             self.write_many(registers)
-            angles.append(mirror_angles(self.rig, self.panel.galvo_volts))
-            travels.append(self.panel.mirror_travel)
+            angles.append(mirror_angles(self.rig, panel.galvo_volts))
+            travels.append(panel.mirror_travel)
             labels.append(int(registers["USER_RAM0_U32"]))
         size = self._pulses.size
-        asked = self.instrument, self.panel, np.array(labels)
+        asked = self.instrument, panel, np.array(labels)
         if self.quadratures:
             every = quadratures(*asked, size, self.rate)
-        elif self.panel.beam_block_out:
+        elif panel.beam_block_out:
             every = fringes(*asked, np.array(travels), size, self.rate)
         else:
             every = self.instrument.bursts(  # all at once
-                self.panel,
+                panel,
                 angles,
                 labels=labels,
                 pulses=self._pulses,
                 rate=self.rate,
             )
         for label, counts in zip(labels, every, strict=True):
-            self.panel.time = BURST_INTERVAL * label + size / self.rate
+            panel.time = BURST_INTERVAL * label + size / self.rate
             self.triggered.edges += int(self._pulses[-1]) + 1
             yield counts
 

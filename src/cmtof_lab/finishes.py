@@ -144,8 +144,7 @@ def breast(x: Array, y: Array, z: Array) -> Array:
     tip, _, mark = feathers(x, y, z)
     share = clip(0.5 - y / 0.04, 0, 1)
     share *= 0.8 + 0.4 * tip
-    base = mix(0.12, PALE, share)
-    return mix(base, DARK, mark)
+    return mix(mix(0.12, PALE, share), DARK, mark)
 
 
 def wing(x: Array, y: Array, z: Array) -> Array:
@@ -197,6 +196,4 @@ def stripes(x: Array, y: Array, z: Array) -> Array:
 def folds(x: Array, y: Array, z: Array) -> Array:
     """Folds of a cloth that hangs, wider below."""
     wide = x * (70 + 60 * z)
-    out = 0.012 * sin(wide)
-    fine = 2.3 * wide + 12 * z
-    return out + 0.004 * sin(fine)
+    return 0.012 * sin(wide) + 0.004 * sin(2.3 * wide + 12 * z)

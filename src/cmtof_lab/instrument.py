@@ -60,7 +60,7 @@ JITTER = 8
 _harmonics = lru_cache(maxsize=4096)(TwoPassModulator.harmonics)
 
 
-def keyed_generator(seed: int, purpose: int, key: int = 0) -> Generator:
+def keyed_generator(seed: int, purpose: int, key: int) -> Generator:
     """Philox generator whose numbers depend on the arguments alone (Salmon et al., SC 2011)."""
     # words of 64 bits: both may be negative or larger
     stream = (purpose << 64) + (seed & WORD)
@@ -187,8 +187,9 @@ class SimulatedInstrument:
                 ways.append(trace(target, np.zeros((1, 2)), settings, seed))
         else:
             ways.append(trace(self.scene, angles, settings, self.seed))
-        stray = [[[settings.back_range]], [[settings.back_fraction]]]
-        stray = np.full((2, len(angles), 1), stray)
+        stray = np.full(
+            (2, len(angles), 1), [[[settings.back_range]], [[settings.back_fraction]]]
+        )
         return np.append(np.concatenate(ways, axis=1), stray, axis=-1)
 
     def target_distance(self, stage: float) -> float:
@@ -227,7 +228,7 @@ class SimulatedInstrument:
             return slow
         keys, place = np.unique(np.append(labels, labels - 1), return_inverse=True)
         made = normals_by_key(self.seed, JITTER, keys, times.shape[1])
-        own, before = made[place].reshape(2, *times.shape)
+        own, before = np.split(made[place], 2)
         mix = np.arcsin(2 * self.settings.grain) / 2  # cos sin of it is the correlation
         return slow + spread * (np.cos(mix) * own + np.sin(mix) * before)
 
@@ -275,12 +276,15 @@ class SimulatedInstrument:
 
     def _waveforms(self, panel: Panel, edges: Numbers) -> Complex:
         """Fourier coefficients (2, S, K + 1) of both modules behind edges (S,)."""
-        knobs = panel.emission, panel.detection
-        plates = panel.plate_emission, panel.plate_detection
         drives = self._drives(panel, edges)
         turns = np.exp(1j * np.angle(drives))[..., None] ** np.arange(HARMONICS + 1)
         found = []
-        for one, angle, size in zip(knobs, plates, np.abs(drives), strict=True):
+        for one, angle, size in zip(
+            (panel.emission, panel.detection),
+            (panel.plate_emission, panel.plate_detection),
+            np.abs(drives),
+            strict=True,
+        ):
             module = replace(
                 self.modulator, half_wave_angle=angle, frequency=one.frequency
             )

@@ -108,8 +108,7 @@ class Interferometer(Ranger):
         real = self.reference_radius**-2 + width**-2
         # Curvature of the wavefront
         turned = np.pi * settings.divergence / (width * vacuum)
-        areas = (self.reference_radius * width) ** 2
-        return 4 / areas / (real**2 + turned**2)  # pyright: ignore[reportReturnType]
+        return 4 / (self.reference_radius * width) ** 2 / (real**2 + turned**2)  # pyright: ignore[reportReturnType]
 
     def fringes(self, target: Plane, ranges: ArrayLike) -> Fringes:
         """Interferogram at ranges (...), m."""
@@ -170,11 +169,9 @@ class Interferometer(Ranger):
 
     def _count_phase(self, way: Array, shown: Fringes, rng: Generator) -> Array:
         """Phase, rad, counted from reading to reading, from the plate's own, which is known."""
-        noise = np.sqrt(2 * shown.variance / self.steps) * circular_normals(
-            rng, way.size
-        )
-        turned = np.exp(4j * np.pi / self.wavelength * way)
-        read = shown.amplitude * turned + noise
+        noise = np.sqrt(2 * shown.variance / self.steps)
+        read = shown.amplitude * np.exp(4j * np.pi / self.wavelength * way)
+        read += noise * circular_normals(rng, way.size)
         start = np.angle(shown.amplitude[0])
         return np.unwrap(np.append(start, np.angle(read)))[1:] - start
 
@@ -190,9 +187,10 @@ class Interferometer(Ranger):
         spread = max(spread, 1e-15)
         highest = 4 * (self.stride + 9 * spread) / self.wavelength
         edge = self.wavelength / 4 * np.arange(1, highest + 2, 2)
-        forward = ndtr((self.stride - edge) / spread)
-        backward = ndtr((-self.stride - edge) / spread)
-        return forward.sum() - backward.sum()
+        forward, backward = (
+            ndtr((way - edge) / spread).sum() for way in (self.stride, -self.stride)
+        )
+        return forward - backward
 
 
 def _along(stations: Numbers, values: NDArray) -> NDArray:

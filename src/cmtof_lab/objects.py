@@ -10,6 +10,7 @@ from functools import lru_cache
 from typing import Any
 
 import numpy as np
+from numpy.linalg import norm
 from numpy.random import Generator
 from numpy.typing import ArrayLike
 from scipy.interpolate import PchipInterpolator
@@ -73,16 +74,17 @@ def still_life(names: Sequence[str], rng: Generator) -> tuple[Trimesh, float]:
 def _pose(name: str, x: float, many: bool, rng: Generator) -> Any:
     """A thing stretched, turned, one in five laid down, and put on the table; smaller of many."""
     size = rng.uniform(0.75 - 0.25 * many, 1.15 - 0.2 * many)
-    pieces = [_refinish(_piece(one), rng) for one in OBJECTS[name]["pieces"]]
-    mesh: Any = concatenate(pieces)
+    mesh: Any = concatenate(
+        [_refinish(_piece(one), rng) for one in OBJECTS[name]["pieces"]]
+    )
     points = mesh.vertices * size * rng.uniform(0.8, 1.25, 3)
     laid = rng.choice([90, -90]) if rng.uniform() < 0.2 else 0
     turn = Rotation.from_euler("xz", [laid, rng.uniform(-180, 180)], degrees=True)
     mesh.vertices = turn.apply(points)
-    middle = mesh.bounds.mean(0)
+    foot = mesh.bounds.mean(0)
+    foot[2] = mesh.bounds[0, 2]
     room = 0.15 - mesh.extents[1] / 2
     y = 0.01 + rng.uniform(-room, room) if room > 0 else 0
-    foot = [*middle[:2], mesh.bounds[0, 2]]
     return mesh.apply_translation(np.subtract([x, y, 0], foot))
 
 
@@ -180,9 +182,8 @@ def _ellipsoid(stated: Fields) -> Trimesh:
     """An ellipsoid about the origin with half axes x, y, z, m."""
     x, y, z = stated["ellipsoid"]
     angle = np.linspace(-np.pi / 2, np.pi / 2, 81)
-    height = z * np.sin(angle)
     breadths = np.outer(np.cos(angle), (x, y, y))
-    return _lathe(np.column_stack([height, breadths]), stated)
+    return _lathe(np.column_stack([z * np.sin(angle), breadths]), stated)
 
 
 def _box(size: Sequence[float]) -> Trimesh:
@@ -230,7 +231,7 @@ def _lathe(sections: Array, stated: Fields) -> Trimesh:
 def _skin(sections: Array, grid: Shape) -> tuple[Array, Array, Array]:
     """Coordinates (rows, columns) of a body's skin, evenly along its profile and around it."""
     path = np.take(sections, range(4), axis=1, mode="clip")
-    lengths = np.linalg.norm(np.diff(path[:, :2], axis=0), axis=1)
+    lengths = norm(np.diff(path[:, :2], axis=0), axis=1)
     along = np.append(0, lengths.cumsum())
     profile = PchipInterpolator(along, path)(np.linspace(0, along[-1], grid[0]))
     z, side, front, back = np.repeat(profile.T[..., None], grid[1], axis=2)

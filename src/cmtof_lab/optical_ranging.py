@@ -111,8 +111,9 @@ class OpticalRanger(PhaseRanger):
 
     def bound(self, target: Plane, positions: ArrayLike) -> Array:
         """Cramer-Rao bound on one estimate (P,), m: noise alone, that of the zero included."""
-        ranges = np.add(target.distance, positions)
-        light = collected_power(self.settings, target, ranges, self.mode)
+        light = collected_power(
+            self.settings, target, np.add(target.distance, positions), self.mode
+        )
         noise = self.dimming_and_noise(light)[1] * np.sqrt(1 + 1 / self.visits)
         return depth_from_phase(noise, self.frequency)
 

@@ -3,6 +3,7 @@
 from typing import NamedTuple
 
 import numpy as np
+from numpy.linalg import norm
 from numpy.typing import ArrayLike
 from pandas.util import hash_array
 from scipy.special import gammaincinv
@@ -38,7 +39,7 @@ class Paths(NamedTuple):
 def directions_from_angles(angles: ArrayLike, aside: ArrayLike = 0.0) -> Array:
     """Unit vectors (..., 3) along (tan x, tan y, 1) + aside for optical angles (..., 2), rad."""
     ray = np.insert(np.tan(angles) + aside, 2, 1.0, axis=-1)
-    return ray / np.linalg.norm(ray, axis=-1, keepdims=True)
+    return ray / norm(ray, axis=-1, keepdims=True)
 
 
 def spot_radius(settings: TwinSettings, distance: ArrayLike) -> Array:
@@ -71,8 +72,7 @@ def returned_fractions(settings: TwinSettings, hits: RayEnds) -> list[Array]:
     lobe = np.hypot(SPECULAR_LOBE, 2 * settings.divergence)
     with np.errstate(all="ignore"):
         # rho cos A / (pi z^2), half of it in the splitter's polarisation; half at the very most
-        steradian = (radius / z) ** 2
-        rough = np.minimum(0.5 * hits.cosine * steradian, 0.5)
+        rough = np.minimum(0.5 * hits.cosine * (radius / z) ** 2, 0.5)
         # a Gaussian lobe, cut by the aperture, keeps its polarisation
         cut = radius / (z * lobe)
         mirrored = (1 - np.exp(-2 * cut**2)) * lobe_share(hits.cosine, lobe)
@@ -94,7 +94,7 @@ def trace(
     spot = spot_radius(settings, 1.0) * _SPOT
     rays = directions_from_angles(angles[:, None], spot)
     hits = target.look(rays)
-    distance = np.where(hits.range > 0, hits.range, 0.0)
+    distance = np.fmax(hits.range, 0.0)
     rough, polished = (_WEIGHTS * one for one in returned_fractions(settings, hits))
     if settings.speckle and rough.any():
         # a gamma law of each sub-ray's cells, so that the whole spot follows that of all cells
@@ -114,8 +114,7 @@ def uniform_from_places(seed: int, places: ArrayLike, count: int) -> Array:
     pair = np.asarray(places, np.int64).view(np.uint64)
     start = hash_array(np.array([seed & WORD, 7], np.uint64))  # pyright: ignore[reportCallIssue]
     # arrays of unsigned integers wrap round without a warning
-    first = pair[:, :1] << 32
-    word = first ^ (pair[:, 1:] & 0xFFFFFFFF)
+    word = (pair[:, :1] << 32) ^ (pair[:, 1:] & 0xFFFFFFFF)
     column = np.arange(1, count + 1, dtype=np.uint64) * 0x9E3779B97F4A7C15
     row = hash_array(word ^ start[:1])  # pyright: ignore[reportCallIssue]
     mixed = hash_array(row + start[1:] + column)  # pyright: ignore[reportCallIssue]

@@ -44,9 +44,12 @@ def simulated_bench(
     }
     if isinstance(scene, str | Path):
         about["scene"] = Path(scene).name
-    devices = simulated_devices(instrument, rig)
     return Bench(
-        rig, devices, patience=0.0, clock_of=lambda n: BURST_INTERVAL * n, **about
+        rig,
+        simulated_devices(instrument, rig),
+        patience=0.0,
+        clock_of=lambda n: BURST_INTERVAL * n,
+        **about,
     )
 
 

@@ -99,8 +99,8 @@ class RfRanger(PhaseRanger):
     def output(self, envelopes: ArrayLike) -> Complex:
         """Voltages I + iQ behind the amplifiers of envelopes, V."""
         gain = 10 ** (self.amplitude_imbalance / 20)
-        size = np.sqrt(self.gain_ahead) * self.baseband_gain
-        return size * skew_quadratures(envelopes, gain, self.phase_imbalance)
+        read = skew_quadratures(envelopes, gain, self.phase_imbalance)
+        return np.sqrt(self.gain_ahead) * self.baseband_gain * read
 
     @property
     def sent_light(self) -> float:
@@ -182,8 +182,8 @@ class RfRanger(PhaseRanger):
         constant = constant * (1 + self.drift * (slow[0] + 1j * slow[1]))
         place = ranges + self.stage_error * rng.standard_normal(ranges.size)
         light = np.append(self._received_light(target, ranges, rng), 0.0)
-        turn = self.settings.phase_noise[MODES[self.mode] - 1] / np.sqrt(averaged)
-        turn = turn * rng.standard_normal(times.size)
+        noise = self.settings.phase_noise[MODES[self.mode] - 1] / np.sqrt(averaged)
+        turn = noise * rng.standard_normal(times.size)
         turn += self.settings.phase_drift * slow[2]
         seen = self.phasor(light, np.append(place, 0.0), turn)
         seen += self.phasor(

@@ -70,7 +70,7 @@ class StereoRig:
         matrices = [pose.as_matrix()[:3] for pose in self.poses]
         stop = (cv2.TERM_CRITERIA_COUNT + cv2.TERM_CRITERIA_EPS, 20, 1e-12)
         planes = [
-            cv2.undistortPoints(np.nan_to_num(one), *lens, criteria=stop)[:, 0].T
+            cv2.undistortPoints(np.nan_to_num(one), *lens, criteria=stop)
             for one, *lens in zip(flat, self.matrices, self.distortions, strict=True)
         ]
         *place, scale = cv2.triangulatePoints(*matrices, *planes)
@@ -147,8 +147,9 @@ def locate_scanner(rig: StereoRig, pixels: Array, directions: Array) -> StereoRi
     points = rig.triangulate(pixels).reshape(-1, 3)
     beams = directions.reshape(-1, 3)
     known = np.isfinite(points).all(-1) & (beams[:, 2] > 0)
-    plane = beams[known, :2] / beams[known, 2:]
-    _, turn, shift = cv2.solvePnP(points[known], plane, np.eye(3), np.zeros(4))
+    _, turn, shift = cv2.solvePnP(
+        points[known], beams[known, :2] / beams[known, 2:], np.eye(3), np.zeros(4)
+    )
     scanner = RigidTransform.from_components(
         shift.ravel(), Rotation.from_rotvec(turn.ravel())
     )
@@ -204,8 +205,7 @@ def _spot_light(
     facing = np.vecdot(normals_from_points(points), away)
     cosine = np.clip(facing / distance, 0.02, 1)
     rate = np.clip(frame.intensity, 0, 1) * cosine / distance**2
-    spot = sensor.beam * rig.matrices[k, 0, 0] / distance
-    width = np.hypot(sensor.blur, spot)
+    width = np.hypot(sensor.blur, sensor.beam * rig.matrices[k, 0, 0] / distance)
     peak = rate / TAU / width**2
     rate *= 0.7 * sensor.full_well / np.nanpercentile(peak, 99)
     rate[~visible_from(points, rig.centres[k])] = 0

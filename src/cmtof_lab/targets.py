@@ -75,9 +75,8 @@ class FrameTarget:
         planar = frame.depth / norm(rays, axis=-1)
         self._inverse = 1 / planar
         self._cosine = _cosines(planar, rays)
-        middles = [np.arange(size) + 0.5 for size in planar.shape]
         self._smooth = RegularGridInterpolator(
-            middles,
+            [np.arange(size) + 0.5 for size in planar.shape],
             self._inverse,
             bounds_error=False,
             fill_value=None,  # pyright: ignore[reportArgumentType]
