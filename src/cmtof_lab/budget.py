@@ -101,7 +101,7 @@ def drift_spread(times: ArrayLike, reference: ArrayLike) -> float:
     now, then = (
         np.exp(1j * np.multiply.outer(when, rate)) for when in (times, reference)
     )
-    return np.sqrt(np.mean(np.abs(now - then.mean(0)) ** 2))
+    return np.sqrt(np.mean(abs(now - then.mean(0)) ** 2))
 
 
 def back_ratio(settings: TwinSettings, target: Plane) -> float:

@@ -182,7 +182,7 @@ class SimulatedReadOut(SimulatedDevice):
         if rig.flip_mirror == "photodiode":  # the target stands among the scene
             ahead = np.deg2rad(rig.reference_direction_deg)
             off = mirror_angles(rig, panel.galvo_volts) - ahead
-            panel.target_in_beam = bool(np.abs(off).max() < BESIDE)
+            panel.target_in_beam = bool(abs(off).max() < BESIDE)
         if (volts := values.get(rig.reference_mirror)) is not None:
             step = rig.reference_mirror_travel * DAC_STEP  # m
             panel.mirror_travel = step * round(volts / DAC_STEP)

@@ -21,8 +21,7 @@ POLES = 3  # of the filters
 def volts_per_watt(settings: TwinSettings) -> float:
     """Output of the detector, V/W: responsivity, avalanche gain and transimpedance."""
     photon = h * c / settings.wavelength  # J
-    responsivity = settings.efficiency * e / photon
-    return responsivity * settings.gain * settings.transimpedance
+    return settings.efficiency * e / photon * settings.gain * settings.transimpedance
 
 
 def density(settings: TwinSettings, volts: ArrayLike) -> Array:
@@ -93,7 +92,7 @@ class Chain:
 def root_of(covariance: Array) -> Array:
     """Root of a covariance that rounding may have left not quite positive."""
     values, vectors = np.linalg.eigh((covariance + covariance.T) / 2)
-    return vectors * np.sqrt(np.maximum(values, 0))
+    return vectors * np.sqrt(values.clip(0))
 
 
 def counts_from_volts(volts: ArrayLike, noise: ArrayLike = 0.0) -> Counts:

@@ -69,11 +69,12 @@ def keyed_generator(seed: int, purpose: int, key: int) -> Generator:
 
 def normals_by_key(seed: int, purpose: int, keys: Numbers, count: int) -> Array:
     """Standard normals (N, count), a row for each key, from a generator of its own."""
-    rows = [
-        keyed_generator(seed, purpose, key).standard_normal(count)
-        for key in keys.tolist()
-    ]
-    return np.stack(rows)
+    return np.stack(
+        [
+            keyed_generator(seed, purpose, key).standard_normal(count)
+            for key in keys.tolist()
+        ]
+    )
 
 
 def drift(seed: int, channel: int, time: ArrayLike) -> Array:
@@ -208,14 +209,14 @@ class SimulatedInstrument:
         products = modules[0] * np.conj(modules[1])
         equal = panel.emission.frequency == panel.detection.frequency
         products[:, 1:] *= 2 * (panel.clock_on and equal)
-        size = np.abs(products).max(axis=0)
+        size = abs(products).max(axis=0)
         lag = self._lag(int(size[1] < size[2]), times, labels)
         # harmonics that count, the mean among them
         orders = np.flatnonzero(size > 1e-13 * size[0])
         turned = products[:, orders] * np.exp(1j * np.multiply.outer(lag, orders))
         share = self._shares(panel.emission.frequency, paths, orders)
         share = (turned * share[:, None]).sum(-1).real
-        share = np.maximum(share, 0.0) * (not panel.photodiode_lit)
+        share = share.clip(0.0) * (not panel.photodiode_lit)
         loss = outward(self.settings) * inward(self.settings)
         room = ambient(self.settings) * modules[1, :, 0].real
         return self.from_fibre(panel, times) * loss * share + room
@@ -253,9 +254,10 @@ class SimulatedInstrument:
         normals = np.insert(drawn, POLES, 0.0, axis=1)
         normals = normals.reshape(-1, samples + 1, POLES + 1)
         output = filters.run(volts, spread, normals[..., :POLES])
-        output = np.clip(output, -settings.saturation, settings.saturation)
-        noise = settings.converter_noise * normals[:, 1:, POLES]
-        return counts_from_volts(output, noise)
+        output = output.clip(-settings.saturation, settings.saturation)
+        return counts_from_volts(
+            output, settings.converter_noise * normals[:, 1:, POLES]
+        )
 
     def emission(self, panel: Panel) -> Complex:
         """Fourier coefficients (K + 1,) of the emission module's waveform as it stands."""
@@ -282,7 +284,7 @@ class SimulatedInstrument:
         for one, angle, size in zip(
             (panel.emission, panel.detection),
             (panel.plate_emission, panel.plate_detection),
-            np.abs(drives),
+            abs(drives),
             strict=True,
         ):
             module = replace(

@@ -87,8 +87,8 @@ class Interferometer(Ranger):
     @property
     def decay(self) -> complex:
         """Exponent of a resonance under white forcing, from one reading to the next."""
-        rate = TAU * self.resonance * self.reading_time
-        return rate * (1j - 1 / (2 * self.quality))
+        ringing = 1j - 1 / (2 * self.quality)
+        return TAU * self.resonance * self.reading_time * ringing
 
     def matched_share(self, target: Plane) -> float:
         """Share m of the collected light in the reference beam's mode, Gaussian of radius w_r.
@@ -132,7 +132,7 @@ class Interferometer(Ranger):
 
     def day(self, target: Plane, positions: Array, rng: Generator) -> Array:
         """Ranges (P,), m, counted from the known first of stage positions (P,), m."""
-        strides = np.abs(np.diff(positions)) / self.stride - 1e-9
+        strides = abs(np.diff(positions)) / self.stride - 1e-9
         counts = np.maximum(1, np.ceil(strides))
         # readings at the stops, of all that the stage passes on its way
         stations = np.append(0, counts.cumsum()).astype(int)
@@ -151,8 +151,7 @@ class Interferometer(Ranger):
             return np.ones(stops.size)
         # circular, of mean square 1, with the correlation exp(-d^2)
         apart = (stops[:, None] - stops) / self.speckle_length
-        root = root_of(np.exp(-(apart**2)) / 2)
-        return root @ circular_normals(rng, stops.size)
+        return root_of(np.exp(-(apart**2)) / 2) @ circular_normals(rng, stops.size)
 
     def _way(
         self, target: Plane, stops: Array, stations: Numbers, rng: Generator
@@ -161,8 +160,9 @@ class Interferometer(Ranger):
         reached = stops + self.stage_error * rng.standard_normal(stops.size)
         way = _along(stations, reached - reached[0])
         shaken = _first_order_process(circular_normals(rng, way.size), self.decay).real  # pyright: ignore[reportAttributeAccessIssue]
-        forgotten = -self.reading_time / self.drift_time
-        slow = _first_order_process(rng.standard_normal(way.size), forgotten)
+        slow = _first_order_process(
+            rng.standard_normal(way.size), -self.reading_time / self.drift_time
+        )
         warmth = (self.expansion + AIR_PER_KELVIN) * self.temperature_drift
         drifted = target.distance * warmth * (slow - slow[0])
         return way + self.shaking * shaken + drifted

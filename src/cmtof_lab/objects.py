@@ -92,7 +92,7 @@ def _refinish(piece: Trimesh, rng: Generator) -> Trimesh:
     """A piece that is darker or brighter, one in five more or less polished."""
     held = piece.vertex_attributes
     brighter = held["reflectance"] * np.exp(rng.uniform(-0.8, 0.8))
-    held["reflectance"] = np.clip(brighter, 0.03, 0.85)
+    held["reflectance"] = brighter.clip(0.03, 0.85)
     if rng.uniform() < 0.2:
         held["mirrored"][:] = rng.choice([0, 0.15, 0.6, 0.95])
     return piece
@@ -140,8 +140,7 @@ def gage_blocks(
     y = np.tile([-0.5, -0.5, 0.5, 0.5], 2) * HEIGHT
     lengths = np.repeat(np.add([0, step], errors), 4)
     # the step is the distance of the two parallel faces, along their normal
-    raised = lengths / np.cos(tilt)
-    z = distance + np.tan(tilt) * x - raised
+    z = distance + np.tan(tilt) * x - lengths / np.cos(tilt)
     faces = triangles_of(np.arange(8).reshape(2, 4))
     return _finish(mesh_from(np.transpose([x, y, z]), faces), STEEL, MIRRORED)
 
@@ -215,7 +214,7 @@ def _lathe(sections: Array, stated: Fields) -> Trimesh:
     x, y, z = _skin(sections, stated.get("grid", (240, 400)))
     if "relief" in stated:
         out = finishes.relief(stated["relief"], x, y, z)
-        grow = 1 + out / np.maximum(np.hypot(x, y), 0.01)
+        grow = 1 + out / np.hypot(x, y).clip(0.01)
         x *= grow
         y *= grow
     points = np.dstack([x, y, z]).reshape(-1, 3)

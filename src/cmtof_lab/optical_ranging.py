@@ -47,9 +47,12 @@ class OpticalRanger(PhaseRanger):
 
     def panel(self) -> Panel:
         """Knobs of the instrument while it ranges: mode set, table armed, target in the beam."""
-        drive = self.frequency / MODES[self.mode]
-        rf = {"on": True, "frequency": drive, "power": self.settings.drive_power}
-        plate = float(np.deg2rad(PLATES[self.mode]))
+        rf = {
+            "on": True,
+            "frequency": self.frequency / MODES[self.mode],
+            "power": self.settings.drive_power,
+        }
+        plate = np.deg2rad(PLATES[self.mode])
         return Panel(
             RfKnobs(**rf),
             RfKnobs(**rf, table=drive_phases(self.phases, self.mode)),
@@ -148,7 +151,7 @@ class OpticalRanger(PhaseRanger):
         # both ways of a lag, and none at lag 0
         memory[0] /= 2
         scale = 2 / (self.phases * kept.sum())
-        return float(scale**2 * (overlap @ memory))
+        return scale**2 * (overlap @ memory)
 
 
 def _another_day(settings: TwinSettings, rng: Generator) -> TwinSettings:

@@ -24,8 +24,7 @@ SPECULAR_DIFFUSE = 0.02
 # Points of the spot in units of its 1/e^2 radius, and their weights: exact for a Gaussian up to
 # degree 5 (Stroud, Approximate Calculation of Multiple Integrals, 1971, E_2^{r^2}: 5-1)
 _HEXAGON = np.arange(6) * np.pi / 3
-_RING = np.transpose([np.cos(_HEXAGON), np.sin(_HEXAGON)])
-_SPOT = np.vstack([[0.0, 0.0], _RING])
+_SPOT = np.vstack([[0.0, 0.0], np.transpose([np.cos(_HEXAGON), np.sin(_HEXAGON)])])
 _WEIGHTS = np.array([1 / 2] + 6 * [1 / 12])
 
 

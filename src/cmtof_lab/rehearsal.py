@@ -107,5 +107,5 @@ def scan_scene(
         data = scan(plan, bench, Path(folder, "m.nc")).dataset
     ranges = SimulatedInstrument(settings, target).ranges(plan.angles)
     data["depth"] = (("y", "x"), data.attrs["group_index"] * ranges, {"units": "m"})
-    data["mask"] = data["mask"] * np.isfinite(ranges).astype(np.int8)
+    data["mask"] *= np.isfinite(ranges)
     return Measurement(data)

@@ -110,8 +110,8 @@ class RfRanger(PhaseRanger):
     @property
     def offsets(self) -> Array:
         """Envelopes of self-mixing and pick-up (2,), V: no light."""
-        leaked = self.lo_power - self.lo_isolation - self.return_loss
-        leaked -= self.amplifier_gain - self.filter_loss
+        sent_back = self.lo_power - self.lo_isolation - self.return_loss
+        leaked = sent_back - (self.amplifier_gain - self.filter_loss)
         level = np.array([leaked, self.drive_power - self.isolation])  # dBm
         return np.sqrt(2 * self.load * 1e-3 * 10 ** (level / 10))
 
@@ -173,8 +173,8 @@ class RfRanger(PhaseRanger):
         # the last reading is that of the blocked beam
         times = np.append(self.times(ranges.size - self.visits), 0.0)
         # the zero and the blocked beam are averaged over many points
-        averaged = np.ones(times.size)
-        averaged[: self.visits] = averaged[-1] = self.points
+        quieter = np.ones(times.size)
+        quieter[: self.visits] = quieter[-1] = np.sqrt(self.points)
         key = int(rng.integers(2**62))
         # both parts of the offset, the phase, and the fibre
         slow = [drift(key, channel, times) / DRIFT_RMS for channel in range(4)]
@@ -182,7 +182,7 @@ class RfRanger(PhaseRanger):
         constant = constant * (1 + self.drift * (slow[0] + 1j * slow[1]))
         place = ranges + self.stage_error * rng.standard_normal(ranges.size)
         light = np.append(self._received_light(target, ranges, rng), 0.0)
-        noise = self.settings.phase_noise[MODES[self.mode] - 1] / np.sqrt(averaged)
+        noise = self.settings.phase_noise[MODES[self.mode] - 1] / quieter
         turn = noise * rng.standard_normal(times.size)
         turn += self.settings.phase_drift * slow[2]
         seen = self.phasor(light, np.append(place, 0.0), turn)
@@ -191,9 +191,7 @@ class RfRanger(PhaseRanger):
             self.settings.back_range,
             turn,
         )
-        noise = (
-            self.noise(light) / np.sqrt(averaged) * circular_normals(rng, times.size)
-        )
+        noise = self.noise(light) / quieter * circular_normals(rng, times.size)
         return self._read(constant + self._fibre(slow[3]) * seen + noise, rng)
 
     def _read(self, envelopes: Complex, rng: Generator) -> Complex:
@@ -219,9 +217,8 @@ class RfRanger(PhaseRanger):
 
     def _fibre(self, drifted: Array) -> Array:
         """Transmission of the fibre over its mean."""
-        settings = self.settings
-        swing = settings.fibre_high - settings.fibre_low
-        return 1 + swing / (2 * settings.fibre) * DRIFT_RMS * drifted
+        swing = self.settings.fibre_high - self.settings.fibre_low
+        return 1 + swing / (2 * self.settings.fibre) * DRIFT_RMS * drifted
 
 
 def skew_quadratures(phasor: ArrayLike, gain: float, error: float) -> Complex:
@@ -233,8 +230,11 @@ def skew_quadratures(phasor: ArrayLike, gain: float, error: float) -> Complex:
 def rf_image(ranger: RfRanger, target: Target, angles: Array, *, seed: int) -> Array:
     """Wrapped phase (...), rad, by RF demodulation at optical angles (..., 2), rad; noise alone."""
     paths = trace(target, np.reshape(angles, (-1, 2)), ranger.settings, seed)
-    seen = ranger.seen_share(np.maximum(paths.range, 1e-3))
-    power = ranger.sent_light * paths.fraction * seen
+    power = (
+        ranger.sent_light
+        * paths.fraction
+        * ranger.seen_share(np.maximum(paths.range, 1e-3))
+    )
     # each ray of the spot has a phase of its own: on a slope they partly cancel
     read = ranger.phasor(power, paths.range).sum(-1)
     rng = default_rng([seed, 16, ranger.mode == "doubled"])

@@ -26,9 +26,8 @@ from cmtof_lab.targets import MeshTarget
 COLUMNS = 9  # inner corners of the checkerboard
 ROWS = 6
 SQUARE = 0.04  # side of a square, m
-_GRID = np.mgrid[:COLUMNS, :ROWS, :1].T.reshape(-1, 3)
 # Those corners (54, 3), m, row by row about the middle of the board
-BOARD = SQUARE * (_GRID - [4, 2.5, 0])
+BOARD = SQUARE * (np.mgrid[:COLUMNS, :ROWS, :1].T.reshape(-1, 3) - [4, 2.5, 0])
 
 
 @dataclass(frozen=True, eq=False)
@@ -203,8 +202,8 @@ def _spot_light(
     away = rig.centres[k] - points
     distance = norm(away, axis=-1)
     facing = np.vecdot(normals_from_points(points), away)
-    cosine = np.clip(facing / distance, 0.02, 1)
-    rate = np.clip(frame.intensity, 0, 1) * cosine / distance**2
+    cosine = (facing / distance).clip(0.02, 1)
+    rate = frame.intensity.clip(0, 1) * cosine / distance**2
     width = np.hypot(sensor.blur, sensor.beam * rig.matrices[k, 0, 0] / distance)
     peak = rate / TAU / width**2
     rate *= 0.7 * sensor.full_well / np.nanpercentile(peak, 99)

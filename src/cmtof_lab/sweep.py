@@ -72,11 +72,12 @@ class Ranger(ABC):
         A repeat is another day: all that no setting states is drawn again.
         """
         stops = np.asarray(positions, float)
-        days = [
-            self.day(target, stops, default_rng([seed, repeat]))
-            for repeat in range(repeats)
-        ]
-        return np.stack(days)
+        return np.stack(
+            [
+                self.day(target, stops, default_rng([seed, repeat]))
+                for repeat in range(repeats)
+            ]
+        )
 
     @abstractmethod
     def day(self, target: Plane, positions: Array, rng: Generator) -> Array:
@@ -103,8 +104,10 @@ class PhaseRanger(Ranger):
 
     def times(self, count: int) -> Array:
         """Times, s, of the visits, and of readings at so many positions."""
-        later = self.age + self.step_time * np.arange(count)
-        return np.append(self.step_time * np.arange(self.visits), later)
+        return np.append(
+            self.step_time * np.arange(self.visits),
+            self.age + self.step_time * np.arange(count),
+        )
 
 
 def circular_normals(rng: Generator, count: int) -> Complex:
@@ -129,4 +132,4 @@ def parts(errors: Array) -> Parts:
     left = errors - offset[..., None] - slope[..., None] * ABOUT
     scatter = norm(left, axis=-1) / np.sqrt(ABOUT.size - 2)
     rmse = norm(errors, axis=-1) / np.sqrt(ABOUT.size)
-    return Parts(offset, slope, scatter, rmse, np.abs(errors).mean(-1))
+    return Parts(offset, slope, scatter, rmse, abs(errors).mean(-1))

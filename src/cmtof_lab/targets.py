@@ -110,9 +110,9 @@ def _cosines(planar: Array, rays: Array) -> Array:
     down = _smaller_step(points.swapaxes(0, 1)).swapaxes(0, 1)
     normal = np.cross(_smaller_step(points), down)
     with np.errstate(all="ignore"):
-        along = np.abs(np.vecdot(normal, rays))
+        along = abs(np.vecdot(normal, rays))
         cosine = along / norm(normal, axis=-1) / norm(rays, axis=-1)
-    return np.clip(np.nan_to_num(cosine, nan=1.0), 0, 1)
+    return np.nan_to_num(cosine, nan=1.0).clip(0, 1)
 
 
 def _smaller_step(points: Array) -> Array:
@@ -120,7 +120,7 @@ def _smaller_step(points: Array) -> Array:
     step = np.diff(points, axis=1, prepend=np.nan, append=np.nan)
     left = step[:, :-1]
     right = step[:, 1:]
-    size = np.nan_to_num(np.abs(step[..., 2:]), nan=np.inf)
+    size = np.nan_to_num(abs(step[..., 2:]), nan=np.inf)
     return np.where(size[:, :-1] < size[:, 1:], left, right)
 
 
@@ -168,7 +168,7 @@ class MeshTarget:
         normal = np.cross(b - a, c - a)
         with np.errstate(all="ignore"):
             along = np.vecdot(rays, normal)
-            cosine = np.abs(along) / norm(normal, axis=-1)
+            cosine = abs(along) / norm(normal, axis=-1)
             return np.vecdot(a, normal) / along, np.nan_to_num(cosine)
 
     def is_hidden(self, points: Array, eye: ArrayLike) -> Flags:
