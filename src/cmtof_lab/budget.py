@@ -91,8 +91,8 @@ def drawn_terms(target: Plane, mode: str, *, days: int, seed: int) -> Values:
 def air_term(target: Plane) -> float:
     """Error by air that has changed since the zero, m."""
     warmer, denser = OpticalRanger.air_change
-    weather = np.hypot(warmer / REAL.temperature, denser / REAL.pressure)
-    return (REAL.group_index - 1) * target.distance * weather
+    excess = (REAL.group_index - 1) * target.distance
+    return excess * np.hypot(warmer / REAL.temperature, denser / REAL.pressure)
 
 
 def drift_spread(times: ArrayLike, reference: ArrayLike) -> float:

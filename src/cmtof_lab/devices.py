@@ -130,7 +130,7 @@ class SimulatedMotor(SimulatedDevice):
 
     def move_to(self, position: float, *, waiting: Waiting = None) -> float:
         setattr(self.panel, self.role, position)
-        return self.position
+        return position
 
     @property
     def position(self) -> float:
@@ -180,8 +180,8 @@ class SimulatedReadOut(SimulatedDevice):
             if name in values:
                 panel.galvo_volts[axis] = round(values[name] / TDAC_STEP) * TDAC_STEP
         if rig.flip_mirror == "photodiode":  # the target stands among the scene
-            ahead = np.deg2rad(rig.reference_direction_deg)
-            off = mirror_angles(rig, panel.galvo_volts) - ahead
+            off = mirror_angles(rig, panel.galvo_volts)
+            off -= np.deg2rad(rig.reference_direction_deg)
             panel.target_in_beam = bool(abs(off).max() < BESIDE)
         if (volts := values.get(rig.reference_mirror)) is not None:
             step = rig.reference_mirror_travel * DAC_STEP  # m

@@ -138,8 +138,9 @@ class SimulatedInstrument:
             transmitted_extinction=settings.transmitted_extinction,
             reflected_extinction=settings.reflected_extinction,
         )
-        codes = normals_by_key(self.seed, CODE, np.arange(2), CODES)
-        self.code_errors = settings.phase_step_error * codes
+        self.code_errors = settings.phase_step_error * normals_by_key(
+            self.seed, CODE, np.arange(2), CODES
+        )
         # a matrix exponential finds the filters once for all bursts of a rate, Hz
         self._filters = cache(lambda rate: Chain(settings, 1 / rate))
 

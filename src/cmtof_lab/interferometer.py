@@ -114,8 +114,9 @@ class Interferometer(Ranger):
         """Interferogram at ranges (...), m."""
         settings = self.settings
         scene = np.minimum(collected_power(settings, target, ranges), self.arm_power)
-        longer = np.subtract(ranges, target.distance + self.imbalance)
-        delay = 2 * longer / SPEED_OF_LIGHT
+        delay = (
+            2 * np.subtract(ranges, target.distance + self.imbalance) / SPEED_OF_LIGHT
+        )
         fallen = (np.pi * self.linewidth * delay) ** 2
         coherence = np.exp(-fallen / (4 * np.log(2)))
         mixed = np.sqrt(self.arm_power * self.matched_share(target) * scene)
@@ -132,8 +133,7 @@ class Interferometer(Ranger):
 
     def day(self, target: Plane, positions: Array, rng: Generator) -> Array:
         """Ranges (P,), m, counted from the known first of stage positions (P,), m."""
-        strides = abs(np.diff(positions)) / self.stride - 1e-9
-        counts = np.maximum(1, np.ceil(strides))
+        counts = np.ceil(abs(np.diff(positions)) / self.stride - 1e-9).clip(1)
         # readings at the stops, of all that the stage passes on its way
         stations = np.append(0, counts.cumsum()).astype(int)
         seen = self.fringes(target, target.distance + _along(stations, positions))

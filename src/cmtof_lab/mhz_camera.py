@@ -174,9 +174,10 @@ class MhzCamera:
     def bound(self, view: RayEnds) -> Array:
         """Standard deviation of a pixel's range, m, (H, W)."""
         own = self.signal(view)
-        noise = self.variance(own + self.room(view))
         with np.errstate(divide="ignore"):
-            spread = linear_phase_noise(self.modulation * own, noise, STEPS)
+            spread = linear_phase_noise(
+                self.modulation * own, self.variance(own + self.room(view)), STEPS
+            )
         return depth_from_phase(spread, self.frequency)
 
     def error(self, found: ArrayLike, truth: ArrayLike) -> Array:

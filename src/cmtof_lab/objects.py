@@ -193,8 +193,9 @@ def _box(size: Sequence[float]) -> Trimesh:
 def _rod(stated: Fields) -> Trimesh:
     """A round rod from left to right: length and radius, m."""
     length, radius = stated["rod"]
-    ends = [(-length / 2, 0, 0), (length / 2, 0, 0)]
-    return cylinder(radius, sections=240, segment=ends)
+    return cylinder(
+        radius, sections=240, segment=[(-length / 2, 0, 0), (length / 2, 0, 0)]
+    )
 
 
 UPRIGHT = rotation_matrix(-np.pi / 2, [1, 0, 0])  # of a ring

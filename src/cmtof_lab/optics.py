@@ -116,8 +116,8 @@ def uniform_from_places(seed: int, places: ArrayLike, count: int) -> Array:
     word = (pair[:, :1] << 32) ^ (pair[:, 1:] & 0xFFFFFFFF)
     column = np.arange(1, count + 1, dtype=np.uint64) * 0x9E3779B97F4A7C15
     row = hash_array(word ^ start[:1])  # pyright: ignore[reportCallIssue]
-    mixed = hash_array(row + start[1:] + column)  # pyright: ignore[reportCallIssue]
-    return ((mixed >> 11) + 0.5) / 2.0**53
+    mixed = hash_array(row + start[1:] + column) >> 11  # pyright: ignore[reportCallIssue]
+    return (mixed + 0.5) / 2.0**53
 
 
 def outward(settings: TwinSettings) -> float:

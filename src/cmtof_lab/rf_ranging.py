@@ -148,8 +148,9 @@ class RfRanger(PhaseRanger):
 
     def phase(self, ranges: ArrayLike) -> Array:
         """Phase, rad, of ranges in air, m."""
-        ways = np.multiply(self.settings.group_index, ranges)
-        return phase_from_depth(ways, self.frequency)
+        return phase_from_depth(
+            np.multiply(self.settings.group_index, ranges), self.frequency
+        )
 
     def phasor(self, light: Array, ranges: ArrayLike, turn: ArrayLike = 0.0) -> Complex:
         """Envelope, V, of light, W, from ranges, m, its phase turned by ``turn``, rad."""

@@ -24,7 +24,7 @@ CAPTURES = {"curlyhair1": (0.092, 0.45), "head": (0.132, 0.02), "owl": (0.126, 0
 _LEVEL, _GRAIN = np.mean(list(CAPTURES.values()), axis=0).round(3).tolist()
 # Noise of the instrument: that of photons and electronics alone, or besides the captures' mean.
 # They have 7.15 GHz alone; as many radians at 14.32 GHz are assumed, where a jitter in time doubles
-NOISE: dict[str, Fields] = {
+NOISE = {
     "photon": {},
     "captures": {"phase_noise": (_LEVEL, _LEVEL), "grain": _GRAIN},
 }

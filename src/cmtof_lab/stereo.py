@@ -37,7 +37,7 @@ class StereoRig:
     matrices: Array  # (2, 3, 3): focal lengths and centres, px
     distortions: Array  # (2, 5): Brown's, in OpenCV's order
     # From the scanner's frame, m, to each camera's
-    poses: tuple[RigidTransform, RigidTransform]
+    poses: tuple[RigidTransform, ...]
     shape: Shape  # height and width of the images, px
 
     @property
@@ -152,8 +152,7 @@ def locate_scanner(rig: StereoRig, pixels: Array, directions: Array) -> StereoRi
     scanner = RigidTransform.from_components(
         shift.ravel(), Rotation.from_rotvec(turn.ravel())
     )
-    left, right = (pose * scanner.inv() for pose in rig.poses)
-    return replace(rig, poses=(left, right))
+    return replace(rig, poses=tuple(pose * scanner.inv() for pose in rig.poses))
 
 
 class Spots(NamedTuple):

@@ -17,7 +17,7 @@ from scipy.interpolate import RegularGridInterpolator
 
 from cmtof.frame import rays_from_camera
 from cmtof.scenes import Frame, load_frame
-from cmtof.types import Array, Arrays, Fields, Flags, Numbers
+from cmtof.types import Array, Arrays, Flags, Numbers
 
 # Neighbouring pixels whose depths differ by a smaller share: one surface
 LARGEST_STEP = 0.02
@@ -188,7 +188,7 @@ def _object(name: str) -> MeshTarget:
 
 
 # Targets by the ``kind`` of a rig file's ``twin.scene``; the other keys are their arguments
-KINDS: Fields = {
+KINDS = {
     "plane": Plane,
     "mirror": partial(Plane, mirrored=1.0),
     "object": _object,
