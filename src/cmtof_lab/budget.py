@@ -19,7 +19,7 @@ from cmtof_lab.instrument import DRIFT_OCTAVES
 from cmtof_lab.optical_ranging import OpticalRanger
 from cmtof_lab.optics import returned_fractions
 from cmtof_lab.settings import TwinSettings
-from cmtof_lab.sweep import FREQUENCY, POSITIONS, STAGE_ERROR
+from cmtof_lab.sweep import ABOUT, FREQUENCY, POSITIONS, STAGE_ERROR
 from cmtof_lab.targets import MIRROR, Plane, RayEnds
 
 REAL = TwinSettings()
@@ -47,9 +47,9 @@ def budget_terms(
 def noise_terms(target: Plane, mode: str) -> Values:
     """Noise of photons, amplifier and converter, m: differences of Cramer-Rao bounds."""
     silent = replace(REAL, converter_noise=0.0)
-    dark = replace(silent, noise_density=0.0)
     every, analog, photons = (
-        OpticalRanger(one, mode).bound(target, [0.0])[0] for one in (REAL, silent, dark)
+        OpticalRanger(one, mode).bound(target, [0.0])[0]
+        for one in (REAL, silent, replace(silent, noise_density=0.0))
     )
     return {
         "photon noise": photons,
@@ -60,8 +60,9 @@ def noise_terms(target: Plane, mode: str) -> Values:
 
 def phase_terms(target: Plane, mode: str) -> Values:
     """Errors of phase in closed form, m: drift, codes, I/Q imbalance, back-reflection."""
-    waits = np.arange(POSITIONS.size) + OpticalRanger.age
-    drifted = drift_spread(waits, np.arange(OpticalRanger.visits))
+    drifted = drift_spread(
+        np.arange(POSITIONS.size) + OpticalRanger.age, np.arange(OpticalRanger.visits)
+    )
     phases = {
         "RF phase drift": MODES[mode] * REAL.phase_drift * drifted,
         "phase codes": MODES[mode]
@@ -79,13 +80,10 @@ def drawn_terms(target: Plane, mode: str, *, days: int, seed: int) -> Values:
     """Errors without a closed form, m: RF leakage and laser drift, each alone before a mirror."""
     mirror = replace(MIRROR, distance=target.distance)
     still = {"days": days, "seed": seed, "stage_error": 0.0, "air_change": (0, 0)}
-    alone = {
-        "RF leakage": ideal_but_for("leakage"),
-        "laser drift": ideal_but_for("fibre_low", "fibre_high"),
-    }
+    alone = {"RF leakage": ["leakage"], "laser drift": ["fibre_low", "fibre_high"]}
     found = {}
-    for name, one in alone.items():
-        errors = simulated_errors(one, mirror, mode, **still)
+    for name, flaws in alone.items():
+        errors = simulated_errors(ideal_but_for(*flaws), mirror, mode, **still)
         found[name] = np.sqrt(np.mean(errors**2))
     return found
 
@@ -93,16 +91,17 @@ def drawn_terms(target: Plane, mode: str, *, days: int, seed: int) -> Values:
 def air_term(target: Plane) -> float:
     """Error by air that has changed since the zero, m."""
     warmer, denser = OpticalRanger.air_change
-    weather = np.hypot(warmer / REAL.temperature, denser / REAL.pressure)
-    return (REAL.group_index - 1) * target.distance * weather
+    excess = (REAL.group_index - 1) * target.distance
+    return excess * np.hypot(warmer / REAL.temperature, denser / REAL.pressure)
 
 
 def drift_spread(times: ArrayLike, reference: ArrayLike) -> float:
     """Rms of the drift at ``times`` less its mean at ``reference``, s, in units of its own rms."""
     rate = TAU * DRIFT_OCTAVES
-    now = np.exp(1j * np.multiply.outer(times, rate))
-    then = np.exp(1j * np.multiply.outer(reference, rate)).mean(0)
-    return np.sqrt(np.mean(np.abs(now - then) ** 2))
+    now, then = (
+        np.exp(1j * np.multiply.outer(when, rate)) for when in (times, reference)
+    )
+    return np.sqrt(np.mean(abs(now - then.mean(0)) ** 2))
 
 
 def back_ratio(settings: TwinSettings, target: Plane) -> float:
@@ -126,8 +125,6 @@ def simulated_errors(
     **lab: Any,
 ) -> Array:
     """Errors (days, P), m, of the sweep of Fig. 13; ``lab`` are fields of `OpticalRanger`."""
-    about = POSITIONS - POSITIONS.mean()  # centred as the zero's wrap is
     ranger = OpticalRanger(settings, mode, **lab)
-    return (
-        ranger.sweep(target, about, repeats=days, seed=seed) - target.distance - about
-    )
+    found = ranger.sweep(target, ABOUT, repeats=days, seed=seed)
+    return found - target.distance - ABOUT

@@ -36,8 +36,11 @@ def quadratures(
     size = abs(amplitude(instrument.settings, drive.power, drive.frequency)) * drive.on
     ranger = RfRanger(settings=replace(instrument.settings, eta=size), time=1 / rate)
     place = instrument.target_distance(panel.stage)
-    light = panel.photodiode_lit * _brightness(instrument, panel, labels)
-    light = light * ranger.power(instrument.settings.reference, place)
+    light = (
+        panel.photodiode_lit
+        * _brightness(instrument, panel, labels)
+        * ranger.power(instrument.settings.reference, place)
+    )
     mixed, picked_up = ranger.offsets
     turning = ranger.phasor(light, place) + picked_up * drive.on
     turning = turning * np.exp(1j * instrument.made_phase(0, np.array(drive.phase)))
@@ -63,8 +66,8 @@ def fringes(
     shaken = normals_by_key(instrument.seed, SHAKING, labels, 1)[:, 0]
     way = place + travels + ruler.shaking * shaken
     volts = seen.offset + seen.amplitude * np.cos(2 * TAU / ruler.wavelength * way)
-    light = volts * _brightness(instrument, panel, labels)
-    light /= volts_per_watt(instrument.settings)
+    volts *= _brightness(instrument, panel, labels)
+    light = volts / volts_per_watt(instrument.settings)
     return instrument.counts(np.repeat(light[:, None], scans, axis=1), labels, rate)
 
 

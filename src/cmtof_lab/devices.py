@@ -12,12 +12,13 @@ from numpy.typing import ArrayLike
 
 from cmtof.correlation import TAU
 from cmtof.hardware.plan import BURST_INTERVAL, mirror_angles
+from cmtof.hardware.reduction import Gain
 from cmtof.hardware.rf import CODES
 from cmtof.hardware.rig import LIGHT, SAMPLE_RATE, Rig
 from cmtof.hardware.roles import Requests, RfLock, RfStatus, Waiting
 from cmtof.types import Array, Counts, Fields, Named, Texts
 from cmtof_lab.compared_bursts import fringes, quadratures
-from cmtof_lab.electronics import CENTRE, SLOPE
+from cmtof_lab.electronics import GAIN
 from cmtof_lab.instrument import Panel, RfKnobs, SimulatedInstrument
 
 TDAC_STEP = 20.0 / 2**14  # Step of the LJTick-DAC, 14 bit, V
@@ -52,17 +53,14 @@ class SimulatedDevice:
     def identify(self) -> Texts:
         return {"model": type(self).__name__, "serial_number": f"TWIN-{self.name}"}
 
-    safe_state = do_nothing
-    close = do_nothing
+    safe_state = close = do_nothing
 
 
 class SimulatedRf(SimulatedDevice):
     """RF driver of the emission or the detection."""
 
     edges = 0
-    set_dead_man = do_nothing
-    clear_trip = do_nothing
-    ping = do_nothing
+    set_dead_man = clear_trip = ping = do_nothing
 
     @property
     def knobs(self) -> RfKnobs:
@@ -97,7 +95,7 @@ class SimulatedRf(SimulatedDevice):
 
     def trigger(self, on: bool) -> None:
         if not on:
-            self.knobs.table = np.zeros(0)
+            self.knobs.table = ()
 
     def arm(self) -> None:
         self.edges = 0
@@ -109,9 +107,7 @@ class SimulatedRf(SimulatedDevice):
 class SimulatedClock(SimulatedDevice):
     """Function generator that both RF drivers are locked to."""
 
-    reset = do_nothing
-    sine = do_nothing
-    lock_phases = do_nothing
+    reset = sine = lock_phases = do_nothing
 
     def output(self, channel: int, on: bool) -> None:
         self.panel.clock_on = on
@@ -134,7 +130,7 @@ class SimulatedMotor(SimulatedDevice):
 
     def move_to(self, position: float, *, waiting: Waiting = None) -> float:
         setattr(self.panel, self.role, position)
-        return self.position
+        return position
 
     @property
     def position(self) -> float:
@@ -164,8 +160,8 @@ class SimulatedReadOut(SimulatedDevice):
             self.set_line(self.rig.line(part), False)
         self.write_many(dict.fromkeys(self.rig.mirrors, 0.0))
 
-    def gain(self) -> tuple[float, float, float]:
-        return SLOPE, -SLOPE, CENTRE
+    def gain(self) -> Gain:
+        return GAIN
 
     def line(self, dio: str) -> bool:
         return dio == self.rig.line("interlock") and self.panel.interlock_closed
@@ -178,20 +174,18 @@ class SimulatedReadOut(SimulatedDevice):
                 setattr(self.panel, knob, high)
 
     def write_many(self, values: Named) -> None:
-        for axis, name in enumerate(self.rig.mirrors):
+        rig = self.rig
+        panel = self.panel
+        for axis, name in enumerate(rig.mirrors):
             if name in values:
-                self.panel.galvo_volts[axis] = (
-                    round(values[name] / TDAC_STEP) * TDAC_STEP
-                )
-        if self.rig.flip_mirror == "photodiode":  # the target stands among the scene
-            ahead = np.deg2rad(self.rig.reference_direction_deg)
-            off = mirror_angles(self.rig, self.panel.galvo_volts) - ahead
-            self.panel.target_in_beam = bool(np.abs(off).max() < BESIDE)
-        if (volts := values.get(self.rig.reference_mirror)) is not None:
-            steps = round(volts / DAC_STEP)
-            self.panel.mirror_travel = (
-                self.rig.reference_mirror_travel * DAC_STEP * steps
-            )
+                panel.galvo_volts[axis] = round(values[name] / TDAC_STEP) * TDAC_STEP
+        if rig.flip_mirror == "photodiode":  # the target stands among the scene
+            off = mirror_angles(rig, panel.galvo_volts)
+            off -= np.deg2rad(rig.reference_direction_deg)
+            panel.target_in_beam = bool(abs(off).max() < BESIDE)
+        if (volts := values.get(rig.reference_mirror)) is not None:
+            step = rig.reference_mirror_travel * DAC_STEP  # m
+            panel.mirror_travel = step * round(volts / DAC_STEP)
 
     def configure_burst(
         self,
@@ -207,31 +201,37 @@ class SimulatedReadOut(SimulatedDevice):
         self._pulses = np.arange(scans) // pulse
 
     def bursts(self, requests: Requests) -> Iterator[Counts]:
+        panel = self.panel
         angles = []
         labels = []
         travels = []
         for registers in requests:
             self.write_many(registers)
-            angles.append(mirror_angles(self.rig, self.panel.galvo_volts))
-            travels.append(self.panel.mirror_travel)
+            angles.append(mirror_angles(self.rig, panel.galvo_volts))
+            travels.append(panel.mirror_travel)
             labels.append(int(registers["USER_RAM0_U32"]))
         size = self._pulses.size
-        asked = self.instrument, self.panel, np.array(labels)
+        asked = self.instrument, panel, np.array(labels)
         if self.quadratures:
             every = quadratures(*asked, size, self.rate)
-        elif self.panel.beam_block_out:
+        elif panel.beam_block_out:
             every = fringes(*asked, np.array(travels), size, self.rate)
         else:
-            options = {"labels": labels, "pulses": self._pulses, "rate": self.rate}
-            every = self.instrument.bursts(self.panel, angles, **options)  # all at once
+            every = self.instrument.bursts(  # all at once
+                panel,
+                angles,
+                labels=labels,
+                pulses=self._pulses,
+                rate=self.rate,
+            )
         for label, counts in zip(labels, every, strict=True):
-            self.panel.time = BURST_INTERVAL * label + size / self.rate
+            panel.time = BURST_INTERVAL * label + size / self.rate
             self.triggered.edges += int(self._pulses[-1]) + 1
             yield counts
 
 
 # Simulated device of each role.
-KINDS: dict[str, type[SimulatedDevice]] = {
+KINDS = {
     "rf_emission": SimulatedRf,
     "rf_detection": SimulatedRf,
     "plate_emission": SimulatedMotor,
@@ -256,5 +256,4 @@ def simulated_devices(instrument: SimulatedInstrument, rig: Rig) -> Fields:
 
 def _round_to_codes(phases: ArrayLike) -> Array:
     """Phases as the drivers' codes hold them, rad in [0, 2 pi)."""
-    codes = np.rint(np.multiply(phases, CODES) / TAU) % CODES
-    return codes * (TAU / CODES)
+    return np.rint(np.multiply(phases, CODES) / TAU) % CODES * (TAU / CODES)

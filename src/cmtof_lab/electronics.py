@@ -7,20 +7,21 @@ from scipy.linalg import solve_continuous_lyapunov
 from scipy.signal import cont2discrete, lfilter
 
 from cmtof.correlation import TAU
+from cmtof.hardware.reduction import Gain
 from cmtof.types import Array, Counts
 from cmtof_lab.settings import TwinSettings
 
 # nominal calibration at +-10 V (T-Series Datasheet, 20.0.1)
 SLOPE = 3.15805780e-4  # V per count
 CENTRE = 33523.0  # count of 0 V
+GAIN = Gain(SLOPE, -SLOPE, CENTRE)
 POLES = 3  # of the filters
 
 
 def volts_per_watt(settings: TwinSettings) -> float:
     """Output of the detector, V/W: responsivity, avalanche gain and transimpedance."""
     photon = h * c / settings.wavelength  # J
-    responsivity = settings.efficiency * e / photon
-    return responsivity * settings.gain * settings.transimpedance
+    return settings.efficiency * e / photon * settings.gain * settings.transimpedance
 
 
 def density(settings: TwinSettings, volts: ArrayLike) -> Array:
@@ -39,10 +40,11 @@ class Chain:
     """
 
     def __init__(self, settings: TwinSettings, interval: float) -> None:
-        corners = TAU * settings.bandwidth, TAU * settings.low_pass
-        rates = np.array([*corners, 1 / settings.rc_time])
+        rates = np.array(
+            [TAU * settings.bandwidth, TAU * settings.low_pass, 1 / settings.rc_time]
+        )
         matrix = np.diag(-rates) + np.diag(rates[1:], -1)
-        push = rates[:1] * np.eye(POLES)[:, :1]
+        push = np.diag(rates)[:, :1]
         system = matrix, push, np.eye(POLES), np.zeros((POLES, 1))
         transition, entry = cont2discrete(system, interval)[:2]  # pyright: ignore[reportIndexIssue]
         # covariance under a one-sided density of 1 for ever, two-sided 1/2
@@ -73,34 +75,31 @@ class Chain:
         first = normals[:, :1] @ self.settled.T
         later = normals[:, 1:] @ self.root.T
         state = light[:, :1] + spread[:, :1] * first[:, 0]
-        push = light[..., None] * self.entry
-        push = push + spread[..., None] * later
-        outputs: list[Array] = []
+        push = light[..., None] * self.entry + spread[..., None] * later
+        outputs = []
         for i, row in enumerate(self.transition):
             into = push[..., i] + sum(map(np.multiply, outputs, row))
-            filtered = lfilter(
+            filtered, _ = lfilter(
                 [0.0, 1.0],
                 [1.0, -row[i]],
                 into,
                 zi=state[:, i : i + 1],
             )
-            outputs.append(filtered[0])
+            outputs.append(filtered)
         return outputs[-1]
 
 
 def root_of(covariance: Array) -> Array:
     """Root of a covariance that rounding may have left not quite positive."""
     values, vectors = np.linalg.eigh((covariance + covariance.T) / 2)
-    return vectors * np.sqrt(np.maximum(values, 0))
+    return vectors * np.sqrt(values.clip(0))
 
 
 def counts_from_volts(volts: ArrayLike, noise: ArrayLike = 0.0) -> Counts:
     """Raw stream counts of the T7, rounded and clipped; its ``noise`` is in counts."""
     raw = np.divide(volts, SLOPE) + CENTRE
-    rounded = np.rint(np.add(raw, noise))
-    return np.clip(rounded, 0, 65535).astype(np.uint16)
+    return np.rint(np.add(raw, noise)).clip(0, 65535).astype(np.uint16)
 
 
-def volts_from_counts(counts: ArrayLike) -> Array:
-    """Volts of raw stream counts by the nominal calibration."""
-    return np.subtract(counts, CENTRE) * SLOPE
+# Volts of raw stream counts by the nominal calibration
+volts_from_counts = GAIN.volts_from_counts

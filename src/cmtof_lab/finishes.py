@@ -6,7 +6,20 @@ Reliefs return how far the skin stands out, m, holes where it is open, looks the
 
 from pathlib import Path
 
-from numpy import abs, arctan2, clip, cos, exp, floor, hypot, pi, sin, sqrt, where
+from numpy import (
+    abs,
+    arctan2,
+    clip,
+    cos,
+    exp,
+    floor,
+    hypot,
+    multiply,
+    pi,
+    sin,
+    sqrt,
+    where,
+)
 from numpy.typing import ArrayLike
 
 from cmtof.correlation import TAU
@@ -25,14 +38,12 @@ FEATHER = 0.0135
 
 def bump(off: Array, width: float) -> Array:
     """A Gaussian bump."""
-    far = off / width
-    return exp(-(far**2))
+    return exp(-((off / width) ** 2))
 
 
 def mix(dark: ArrayLike, pale: float, share: ArrayLike) -> Array:
     """Reflectance between two others, by the share of the second, clipped to 0 and 1."""
-    step = pale - dark  # pyright: ignore[reportOperatorIssue]
-    return dark + step * clip(share, 0, 1)  # pyright: ignore[reportOperatorIssue, reportReturnType]
+    return dark + (pale - dark) * clip(share, 0, 1)  # pyright: ignore[reportOperatorIssue, reportReturnType]
 
 
 def relief(name: str, x: Array, y: Array, z: Array) -> Array:
@@ -41,12 +52,9 @@ def relief(name: str, x: Array, y: Array, z: Array) -> Array:
         return globals()[name](x, y, z)
     turn = arctan2(x, -y)
     out = 0 * x
-    for height, along_x, along_y, along_z, around, phase in CATALOGUE["waves"][name]:
-        angle = phase + around * turn
-        angle += along_x * x
-        angle += along_y * y
-        angle += along_z * z
-        out += height * sin(angle)
+    for height, *along, around, phase in CATALOGUE["waves"][name]:
+        turned = map(multiply, [around, *along], [turn, x, y, z])
+        out += height * sin(sum(turned, phase))
     return out
 
 
@@ -74,8 +82,7 @@ def features_of_a_face(x: Array, z: Array) -> Array:
 
 def curls(x: Array, y: Array, z: Array) -> Array:
     """Hair above a line that falls towards the neck."""
-    behind = clip(y + 0.02, 0, 0.06)
-    line = z - 0.25 + 0.9 * behind
+    line = z - 0.25 + 0.9 * clip(y + 0.02, 0, 0.06)
     above = clip(line / 0.006, 0, 1)
     above *= clip((z - 0.18) / 0.02, 0, 1)
     above *= z > 0.15
@@ -85,8 +92,7 @@ def curls(x: Array, y: Array, z: Array) -> Array:
 def visor(x: Array, y: Array, z: Array) -> Array:
     """Relief of the helmet: comb, brow, keel and rim."""
     out = 0.003 * bump(z - 0.006, 0.004)
-    comb = clip(z / 0.0224 - 8.25, 0, 1)
-    out += 0.007 * comb * bump(x, 0.006)
+    out += 0.007 * clip(z / 0.0224 - 8.25, 0, 1) * bump(x, 0.006)
     front = clip(-30 * y, 0, 1)
     bow = 0.193 - 0.9 * x**2
     out += 0.004 * front * bump(z - bow, 0.006)
@@ -124,8 +130,7 @@ def feathers(x: Array, y: Array, z: Array) -> tuple[Array, Array, Array]:
     tip *= clip(6 * above, 0, 1)
     number = sin(12.9898 * level + 78.233 * column)
     which = number * 43758.5453 % 1
-    marked = which < 0.6
-    return tip, which, 6 * marked * (tip - 0.5)
+    return tip, which, 6 * (which < 0.6) * (tip - 0.5)
 
 
 def plumage(x: Array, y: Array, z: Array) -> Array:
@@ -139,15 +144,13 @@ def breast(x: Array, y: Array, z: Array) -> Array:
     tip, _, mark = feathers(x, y, z)
     share = clip(0.5 - y / 0.04, 0, 1)
     share *= 0.8 + 0.4 * tip
-    base = mix(0.12, PALE, share)
-    return mix(base, DARK, mark)
+    return mix(mix(0.12, PALE, share), DARK, mark)
 
 
 def wing(x: Array, y: Array, z: Array) -> Array:
     """Brown with pale tips."""
     _, which, mark = feathers(x, y, z)
-    base = mix(0.04, 0.16, which)
-    return mix(base, PALE, mark)
+    return mix(mix(0.04, 0.16, which), PALE, mark)
 
 
 def owl_face(x: Array, y: Array, z: Array) -> Array:
@@ -174,28 +177,23 @@ def label(x: Array, y: Array, z: Array) -> Array:
     letters = sin(40 * turn)
     letters *= sin(z / 0.0028)
     paper = where(letters > 0.5, 0.06, 0.75)
-    height = abs(z - 0.073)
-    pasted = (abs(turn) < 1.9) & (height < 0.035)
+    pasted = (abs(turn) < 1.9) & (abs(z - 0.073) < 0.035)
     glass = where(pasted, paper, 0.12)
     return where(z > 0.2, 0.35, glass)
 
 
 def banded(x: Array, y: Array, z: Array) -> Array:
     """White with a dark band."""
-    height = abs(z - 0.057)
-    return where(height < 0.012, 0.08, 0.7)
+    return where(abs(z - 0.057) < 0.012, 0.08, 0.7)
 
 
 def stripes(x: Array, y: Array, z: Array) -> Array:
     """Stripes that run askew."""
-    along = 64 * x + 16 * y
-    along += 44.8 * z
+    along = 64 * x + 16 * y + 44.8 * z
     return mix(0.1, 0.65, floor(along) % 2)
 
 
 def folds(x: Array, y: Array, z: Array) -> Array:
     """Folds of a cloth that hangs, wider below."""
     wide = x * (70 + 60 * z)
-    out = 0.012 * sin(wide)
-    fine = 2.3 * wide + 12 * z
-    return out + 0.004 * sin(fine)
+    return 0.012 * sin(wide) + 0.004 * sin(2.3 * wide + 12 * z)

@@ -11,6 +11,7 @@ Time is virtual: burst n starts at ``n * 20 ms``, settled, and its noise depends
 the laser has drift but no fast noise. Optical angles: along (tan x, tan y, 1), y downwards.
 """
 
+from collections.abc import Sequence
 from dataclasses import dataclass, field, replace
 from functools import cache, lru_cache
 from typing import Any
@@ -47,7 +48,7 @@ from cmtof_lab.targets import Plane, scene_from
 HARMONICS = 16  # Highest harmonic of the drive that is kept: J_16(2 eta) < 1e-12 up to eta = 1.5
 # Frequencies of a drift, Hz, from 1 mHz to 0.5 Hz
 DRIFT_OCTAVES = 1e-3 * 2.0 ** np.arange(10)
-DRIFT_RMS = float(1 / np.sqrt(2 * DRIFT_OCTAVES.size))
+DRIFT_RMS = 1 / np.sqrt(2 * DRIFT_OCTAVES.size)
 
 # Phase noise of a step over that of 16: mean of (2 sin^2)^2 is 3/2
 STEP_NOISE = np.sqrt(32 / 3)
@@ -59,17 +60,21 @@ JITTER = 8
 _harmonics = lru_cache(maxsize=4096)(TwoPassModulator.harmonics)
 
 
-def keyed_generator(seed: int, purpose: int, key: int = 0) -> Generator:
+def keyed_generator(seed: int, purpose: int, key: int) -> Generator:
     """Philox generator whose numbers depend on the arguments alone (Salmon et al., SC 2011)."""
-    words = np.array([seed & WORD, purpose], np.uint64)
-    counter = np.array([0, key & WORD, 0, 0], np.uint64)
-    return Generator(Philox(key=words, counter=counter))
+    # words of 64 bits: both may be negative or larger
+    stream = (purpose << 64) + (seed & WORD)
+    return Generator(Philox(key=stream, counter=(key & WORD) << 64))
 
 
 def normals_by_key(seed: int, purpose: int, keys: Numbers, count: int) -> Array:
     """Standard normals (N, count), a row for each key, from a generator of its own."""
-    generators = [keyed_generator(seed, purpose, key) for key in keys.tolist()]
-    return np.stack([one.standard_normal(count) for one in generators])
+    return np.stack(
+        [
+            keyed_generator(seed, purpose, key).standard_normal(count)
+            for key in keys.tolist()
+        ]
+    )
 
 
 def drift(seed: int, channel: int, time: ArrayLike) -> Array:
@@ -89,7 +94,7 @@ class RfKnobs:
     frequency: float = 7.15e9
     power: float = 0.0
     phase: float = 0.0
-    table: Array = field(default_factory=lambda: np.zeros(0))
+    table: Array | Sequence[float] = ()
 
 
 @dataclass
@@ -133,8 +138,9 @@ class SimulatedInstrument:
             transmitted_extinction=settings.transmitted_extinction,
             reflected_extinction=settings.reflected_extinction,
         )
-        codes = normals_by_key(self.seed, CODE, np.arange(2), CODES)
-        self.code_errors = settings.phase_step_error * codes
+        self.code_errors = settings.phase_step_error * normals_by_key(
+            self.seed, CODE, np.arange(2), CODES
+        )
         # a matrix exponential finds the filters once for all bursts of a rate, Hz
         self._filters = cache(lambda rate: Chain(settings, 1 / rate))
 
@@ -159,8 +165,7 @@ class SimulatedInstrument:
         # the drives are constant in stretches between edges
         first = np.flatnonzero(np.diff(pulses, prepend=pulses[0] - 1))
         length = np.diff(first, append=len(pulses))
-        begin = BURST_INTERVAL * numbers[:, None]
-        times = begin + (first + length / 2) / rate
+        times = BURST_INTERVAL * numbers[:, None] + (first + length / 2) / rate
         light = self._light(
             panel,
             self._paths(panel, points, places),
@@ -184,9 +189,10 @@ class SimulatedInstrument:
                 ways.append(trace(target, np.zeros((1, 2)), settings, seed))
         else:
             ways.append(trace(self.scene, angles, settings, self.seed))
-        stray = np.reshape([settings.back_range, settings.back_fraction], (2, 1, 1))
-        found = np.concatenate(ways, axis=1)
-        return np.append(found, np.broadcast_to(stray, (2, len(angles), 1)), axis=-1)
+        stray = np.full(
+            (2, len(angles), 1), [[[settings.back_range]], [[settings.back_fraction]]]
+        )
+        return np.append(np.concatenate(ways, axis=1), stray, axis=-1)
 
     def target_distance(self, stage: float) -> float:
         """Distance of the reference target, m, with its stage at a position, m."""
@@ -204,14 +210,14 @@ class SimulatedInstrument:
         products = modules[0] * np.conj(modules[1])
         equal = panel.emission.frequency == panel.detection.frequency
         products[:, 1:] *= 2 * (panel.clock_on and equal)
-        size = np.abs(products).max(axis=0)
+        size = abs(products).max(axis=0)
         lag = self._lag(int(size[1] < size[2]), times, labels)
         # harmonics that count, the mean among them
         orders = np.flatnonzero(size > 1e-13 * size[0])
         turned = products[:, orders] * np.exp(1j * np.multiply.outer(lag, orders))
         share = self._shares(panel.emission.frequency, paths, orders)
         share = (turned * share[:, None]).sum(-1).real
-        share = np.maximum(share, 0.0) * (not panel.photodiode_lit)
+        share = share.clip(0.0) * (not panel.photodiode_lit)
         loss = outward(self.settings) * inward(self.settings)
         room = ambient(self.settings) * modules[1, :, 0].real
         return self.from_fibre(panel, times) * loss * share + room
@@ -224,7 +230,7 @@ class SimulatedInstrument:
             return slow
         keys, place = np.unique(np.append(labels, labels - 1), return_inverse=True)
         made = normals_by_key(self.seed, JITTER, keys, times.shape[1])
-        own, before = made[place].reshape(2, *times.shape)
+        own, before = np.split(made[place], 2)
         mix = np.arcsin(2 * self.settings.grain) / 2  # cos sin of it is the correlation
         return slow + spread * (np.cos(mix) * own + np.sin(mix) * before)
 
@@ -249,9 +255,10 @@ class SimulatedInstrument:
         normals = np.insert(drawn, POLES, 0.0, axis=1)
         normals = normals.reshape(-1, samples + 1, POLES + 1)
         output = filters.run(volts, spread, normals[..., :POLES])
-        output = np.clip(output, -settings.saturation, settings.saturation)
-        noise = settings.converter_noise * normals[:, 1:, POLES]
-        return counts_from_volts(output, noise)
+        output = output.clip(-settings.saturation, settings.saturation)
+        return counts_from_volts(
+            output, settings.converter_noise * normals[:, 1:, POLES]
+        )
 
     def emission(self, panel: Panel) -> Complex:
         """Fourier coefficients (K + 1,) of the emission module's waveform as it stands."""
@@ -262,11 +269,9 @@ class SimulatedInstrument:
         settings = self.settings
         made = []
         for number, one in enumerate((panel.emission, panel.detection)):
-            table = one.table if len(one.table) else np.array([one.phase])
-            phase = (
-                self.made_phase(number, table[edges % len(table)])
-                + number * settings.phase_offset
-            )
+            table = one.table if len(one.table) else [one.phase]
+            phase = self.made_phase(number, np.take(table, edges, mode="wrap"))
+            phase += number * settings.phase_offset
             size = amplitude(settings, one.power, one.frequency) if one.on else 0.0
             made.append(size * np.exp(-1j * phase))
         leak = settings.leakage * np.exp(-1j * settings.leakage_phase)
@@ -274,19 +279,24 @@ class SimulatedInstrument:
 
     def _waveforms(self, panel: Panel, edges: Numbers) -> Complex:
         """Fourier coefficients (2, S, K + 1) of both modules behind edges (S,)."""
-        knobs = panel.emission, panel.detection
-        plates = panel.plate_emission, panel.plate_detection
         drives = self._drives(panel, edges)
         turns = np.exp(1j * np.angle(drives))[..., None] ** np.arange(HARMONICS + 1)
         found = []
-        for one, angle, size in zip(knobs, plates, np.abs(drives), strict=True):
+        for one, angle, size in zip(
+            (panel.emission, panel.detection),
+            (panel.plate_emission, panel.plate_detection),
+            abs(drives),
+            strict=True,
+        ):
             module = replace(
                 self.modulator, half_wave_angle=angle, frequency=one.frequency
             )
-            waves = [
-                _harmonics(replace(module, eta=eta), HARMONICS) for eta in size.tolist()
-            ]
-            found.append(waves)
+            found.append(
+                [
+                    _harmonics(replace(module, eta=eta), HARMONICS)
+                    for eta in size.tolist()
+                ]
+            )
         return turns * found  # pyright: ignore[reportReturnType]
 
     def made_phase(self, module: int, phase: Array) -> Array:
@@ -296,7 +306,7 @@ class SimulatedInstrument:
         skew = self.settings.iq_imbalance * np.sin(2 * phase)
         return phase + error + skew
 
-    def from_fibre(self, panel: Panel, times: Array) -> Array:
+    def from_fibre(self, panel: Panel, times: ArrayLike) -> Array:
         """Power behind the fibre at times, W; 0 unless laser, shutter and interlock let it pass."""
         settings = self.settings
         passed = panel.laser_on and panel.shutter_open and panel.interlock_closed
@@ -311,8 +321,7 @@ class SimulatedInstrument:
     def laser_power(self, panel: Panel) -> float:
         """Power that the integrating sphere behind the first beam splitter sees, W (Sec. 7.1)."""
         settings = self.settings
-        power = self.from_fibre(panel, np.array(panel.time))
-        emitted = power * self.emission(panel)[0].real
+        emitted = self.from_fibre(panel, panel.time) * self.emission(panel)[0].real
         passed = settings.lens**2 * settings.mirror * settings.splitter
         return float(emitted * passed)
 

@@ -87,8 +87,8 @@ class Interferometer(Ranger):
     @property
     def decay(self) -> complex:
         """Exponent of a resonance under white forcing, from one reading to the next."""
-        rate = TAU * self.resonance * self.reading_time
-        return rate * (1j - 1 / (2 * self.quality))
+        ringing = 1j - 1 / (2 * self.quality)
+        return TAU * self.resonance * self.reading_time * ringing
 
     def matched_share(self, target: Plane) -> float:
         """Share m of the collected light in the reference beam's mode, Gaussian of radius w_r.
@@ -108,15 +108,15 @@ class Interferometer(Ranger):
         real = self.reference_radius**-2 + width**-2
         # Curvature of the wavefront
         turned = np.pi * settings.divergence / (width * vacuum)
-        areas = (self.reference_radius * width) ** 2
-        return 4 / areas / (real**2 + turned**2)  # pyright: ignore[reportReturnType]
+        return 4 / (self.reference_radius * width) ** 2 / (real**2 + turned**2)  # pyright: ignore[reportReturnType]
 
     def fringes(self, target: Plane, ranges: ArrayLike) -> Fringes:
         """Interferogram at ranges (...), m."""
         settings = self.settings
         scene = np.minimum(collected_power(settings, target, ranges), self.arm_power)
-        longer = np.subtract(ranges, target.distance + self.imbalance)
-        delay = 2 * longer / SPEED_OF_LIGHT
+        delay = (
+            2 * np.subtract(ranges, target.distance + self.imbalance) / SPEED_OF_LIGHT
+        )
         fallen = (np.pi * self.linewidth * delay) ** 2
         coherence = np.exp(-fallen / (4 * np.log(2)))
         mixed = np.sqrt(self.arm_power * self.matched_share(target) * scene)
@@ -133,8 +133,7 @@ class Interferometer(Ranger):
 
     def day(self, target: Plane, positions: Array, rng: Generator) -> Array:
         """Ranges (P,), m, counted from the known first of stage positions (P,), m."""
-        strides = np.abs(np.diff(positions)) / self.stride - 1e-9
-        counts = np.maximum(1, np.ceil(strides))
+        counts = np.ceil(abs(np.diff(positions)) / self.stride - 1e-9).clip(1)
         # readings at the stops, of all that the stage passes on its way
         stations = np.append(0, counts.cumsum()).astype(int)
         seen = self.fringes(target, target.distance + _along(stations, positions))
@@ -152,8 +151,7 @@ class Interferometer(Ranger):
             return np.ones(stops.size)
         # circular, of mean square 1, with the correlation exp(-d^2)
         apart = (stops[:, None] - stops) / self.speckle_length
-        root = root_of(np.exp(-(apart**2)) / 2)
-        return root @ circular_normals(rng, stops.size)
+        return root_of(np.exp(-(apart**2)) / 2) @ circular_normals(rng, stops.size)
 
     def _way(
         self, target: Plane, stops: Array, stations: Numbers, rng: Generator
@@ -162,26 +160,24 @@ class Interferometer(Ranger):
         reached = stops + self.stage_error * rng.standard_normal(stops.size)
         way = _along(stations, reached - reached[0])
         shaken = _first_order_process(circular_normals(rng, way.size), self.decay).real  # pyright: ignore[reportAttributeAccessIssue]
-        forgotten = -self.reading_time / self.drift_time
-        slow = _first_order_process(rng.standard_normal(way.size), forgotten)
+        slow = _first_order_process(
+            rng.standard_normal(way.size), -self.reading_time / self.drift_time
+        )
         warmth = (self.expansion + AIR_PER_KELVIN) * self.temperature_drift
         drifted = target.distance * warmth * (slow - slow[0])
         return way + self.shaking * shaken + drifted
 
     def _count_phase(self, way: Array, shown: Fringes, rng: Generator) -> Array:
         """Phase, rad, counted from reading to reading, from the plate's own, which is known."""
-        noise = np.sqrt(2 * shown.variance / self.steps) * circular_normals(
-            rng, way.size
-        )
-        turned = np.exp(4j * np.pi / self.wavelength * way)
-        read = shown.amplitude * turned + noise
+        noise = np.sqrt(2 * shown.variance / self.steps)
+        read = shown.amplitude * np.exp(4j * np.pi / self.wavelength * way)
+        read += noise * circular_normals(rng, way.size)
         start = np.angle(shown.amplitude[0])
         return np.unwrap(np.append(start, np.angle(read)))[1:] - start
 
     def bound(self, target: Plane, positions: ArrayLike) -> Array:
         """Cramer-Rao least standard deviation (P,), m, by noise alone, speckle at its mean."""
-        ranges = np.add(target.distance, positions)
-        seen = self.fringes(target, ranges)
+        seen = self.fringes(target, np.add(target.distance, positions))
         noise = linear_phase_noise(seen.amplitude, seen.variance, self.steps)
         return self.wavelength / (2 * TAU) * noise
 
@@ -191,9 +187,10 @@ class Interferometer(Ranger):
         spread = max(spread, 1e-15)
         highest = 4 * (self.stride + 9 * spread) / self.wavelength
         edge = self.wavelength / 4 * np.arange(1, highest + 2, 2)
-        forward = ndtr((self.stride - edge) / spread)
-        backward = ndtr((-self.stride - edge) / spread)
-        return forward.sum() - backward.sum()
+        forward, backward = (
+            ndtr((way - edge) / spread).sum() for way in (self.stride, -self.stride)
+        )
+        return forward - backward
 
 
 def _along(stations: Numbers, values: NDArray) -> NDArray:

@@ -27,6 +27,7 @@ from cmtof.correlation import (
     wrap_length,
 )
 from cmtof.detector import quantise, skellam_gaussian
+from cmtof.hardware.reduction import nominal_psi
 from cmtof.types import Array, Arrays, Complex, Shape
 from cmtof_lab.optics import SPECULAR_DIFFUSE, SPECULAR_LOBE, lobe_share
 from cmtof_lab.targets import RayEnds
@@ -34,7 +35,7 @@ from cmtof_lab.targets import RayEnds
 Light = tuple[Complex, Array]
 
 STEPS = 4  # phase steps of an image; their exposures add up to the whole
-PSI = TAU * np.arange(STEPS) / STEPS
+PSI = nominal_psi(STEPS)
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -94,7 +95,7 @@ class MhzCamera:
         """
         z = view.range
         sent = self._electrons(self.power) / np.prod(self.shape)
-        with np.errstate(invalid="ignore", divide="ignore"):
+        with np.errstate(all="ignore"):
             lobe = np.hypot(SPECULAR_LOBE, self.source_radius / z)
             # a Gaussian lobe of half angle w peaks at 2 / (pi w^2) per sr, white paper at 1 / pi
             mirror = 2 / lobe**2 * lobe_share(view.cosine, lobe)
@@ -112,8 +113,7 @@ class MhzCamera:
 
     def _electrons(self, power: float) -> float:
         """Electrons of one step that a power, W, before the lens makes."""
-        energy = power * self.exposure / STEPS
-        photons = energy * self.wavelength / (h * c)
+        photons = power * self.exposure / STEPS * self.wavelength / (h * c)
         return photons * self.transmission * self.efficiency
 
     def light(self, view: RayEnds, field: RayEnds) -> Light:
@@ -122,20 +122,18 @@ class MhzCamera:
         Direct, blurred, and scattered evenly from all of ``field``.
         """
 
-        near = self._lights(view)
-        far = self._lights(field)
+        pairs = zip(self._lights(view), self._lights(field), strict=True)
         phasor, charge = (
             (1 - self.veil) * gaussian_filter(own, self.blur, mode="nearest")
             + self.veil * every.mean()
-            for own, every in zip(near, far, strict=True)
+            for own, every in pairs
         )
         return phasor, charge
 
     def _lights(self, view: RayEnds) -> Light:
         """Phasor of the direct light, and charge by all light, electrons of a step (H, W)."""
         own = self.signal(view)
-        turn = -1j * (TAU / self.wrap)
-        phasor = own * np.exp(turn * np.nan_to_num(view.range))
+        phasor = own * np.exp(-1j * (TAU / self.wrap) * np.nan_to_num(view.range))
         return phasor, own + self.room(view)
 
     def differences(self, light: Light) -> Array:
@@ -176,9 +174,10 @@ class MhzCamera:
     def bound(self, view: RayEnds) -> Array:
         """Standard deviation of a pixel's range, m, (H, W)."""
         own = self.signal(view)
-        noise = self.variance(own + self.room(view))
         with np.errstate(divide="ignore"):
-            spread = linear_phase_noise(self.modulation * own, noise, STEPS)
+            spread = linear_phase_noise(
+                self.modulation * own, self.variance(own + self.room(view)), STEPS
+            )
         return depth_from_phase(spread, self.frequency)
 
     def error(self, found: ArrayLike, truth: ArrayLike) -> Array:

@@ -10,6 +10,7 @@ from functools import lru_cache
 from typing import Any
 
 import numpy as np
+from numpy.linalg import norm
 from numpy.random import Generator
 from numpy.typing import ArrayLike
 from scipy.interpolate import PchipInterpolator
@@ -19,7 +20,7 @@ from trimesh.creation import box, cylinder, icosphere, torus
 from trimesh.transformations import rotation_matrix
 from trimesh.util import concatenate
 
-from cmtof.types import Array, Fields, Shape, Values
+from cmtof.types import Array, Fields, Shape
 from cmtof_lab import finishes
 from cmtof_lab.finishes import CATALOGUE
 from cmtof_rooms.solids import cells_of, mesh_from, triangles_of
@@ -33,15 +34,14 @@ HEIGHT = 30e-3  # m (known)
 GRADE_2 = 0.45e-6
 MIRRORED = 0.7  # specular weight of a block (assumed): lapping leaves a matt sheen
 
-Specifications = dict[str, Fields]
 # Objects on whose scans a network is fine-tuned (Sec. 6.4).
-TRAINING: Specifications = CATALOGUE["training"]
+TRAINING = CATALOGUE["training"]
 
 # Scanned objects by name, as `objects.yml` describes them.
-OBJECTS: Specifications = CATALOGUE["objects"] | TRAINING
+OBJECTS = CATALOGUE["objects"] | TRAINING
 
 # Full angle, rad, in which an object is scanned.
-FIELD_OF_VIEW: Values = {name: one["field_of_view"] for name, one in OBJECTS.items()}
+FIELD_OF_VIEW = {name: one["field_of_view"] for name, one in OBJECTS.items()}
 
 
 @lru_cache(maxsize=4)
@@ -74,16 +74,17 @@ def still_life(names: Sequence[str], rng: Generator) -> tuple[Trimesh, float]:
 def _pose(name: str, x: float, many: bool, rng: Generator) -> Any:
     """A thing stretched, turned, one in five laid down, and put on the table; smaller of many."""
     size = rng.uniform(0.75 - 0.25 * many, 1.15 - 0.2 * many)
-    pieces = [_refinish(_piece(one), rng) for one in OBJECTS[name]["pieces"]]
-    mesh: Any = concatenate(pieces)
+    mesh: Any = concatenate(
+        [_refinish(_piece(one), rng) for one in OBJECTS[name]["pieces"]]
+    )
     points = mesh.vertices * size * rng.uniform(0.8, 1.25, 3)
     laid = rng.choice([90, -90]) if rng.uniform() < 0.2 else 0
     turn = Rotation.from_euler("xz", [laid, rng.uniform(-180, 180)], degrees=True)
     mesh.vertices = turn.apply(points)
-    middle = mesh.bounds.mean(0)
+    foot = mesh.bounds.mean(0)
+    foot[2] = mesh.bounds[0, 2]
     room = 0.15 - mesh.extents[1] / 2
     y = 0.01 + rng.uniform(-room, room) if room > 0 else 0
-    foot = [*middle[:2], mesh.bounds[0, 2]]
     return mesh.apply_translation(np.subtract([x, y, 0], foot))
 
 
@@ -91,7 +92,7 @@ def _refinish(piece: Trimesh, rng: Generator) -> Trimesh:
     """A piece that is darker or brighter, one in five more or less polished."""
     held = piece.vertex_attributes
     brighter = held["reflectance"] * np.exp(rng.uniform(-0.8, 0.8))
-    held["reflectance"] = np.clip(brighter, 0.03, 0.85)
+    held["reflectance"] = brighter.clip(0.03, 0.85)
     if rng.uniform() < 0.2:
         held["mirrored"][:] = rng.choice([0, 0.15, 0.6, 0.95])
     return piece
@@ -101,11 +102,13 @@ def _stage(things: Iterable[Trimesh], wide: float, wall: float, *looks: float) -
     """Things on a table before a wall ``wall`` m behind the origin, looks those of both."""
     board = _box((wide, 0.75 * wide, 0.01))
     back = _box((wide, 0.01, wide))
-    ground = [
-        _finish(board, looks[0], at=(0, -wide / 8, -0.01)),
-        _finish(back, looks[1], at=(0, wall + 0.005, -0.1)),
-    ]
-    return concatenate([*things, *ground])
+    return concatenate(
+        [
+            *things,
+            _finish(board, looks[0], at=(0, -wide / 8, -0.01)),
+            _finish(back, looks[1], at=(0, wall + 0.005, -0.1)),
+        ]
+    )
 
 
 def _place_scene(
@@ -135,23 +138,16 @@ def gage_blocks(
     """
     x = np.array([0, -1, -1, 0, 0, 1, 1, 0]) * WIDTH
     y = np.tile([-0.5, -0.5, 0.5, 0.5], 2) * HEIGHT
-    lengths = np.repeat([errors[0], step + errors[1]], 4)
+    lengths = np.repeat(np.add([0, step], errors), 4)
     # the step is the distance of the two parallel faces, along their normal
-    raised = lengths / np.cos(tilt)
-    z = distance + np.tan(tilt) * x - raised
-    faces = [
-        [0, 1, 2],
-        [0, 2, 3],
-        [4, 5, 6],
-        [4, 6, 7],
-    ]
-    blocks = mesh_from(np.stack([x, y, z], -1), faces)
-    return _finish(blocks, STEEL, MIRRORED)
+    z = distance + np.tan(tilt) * x - lengths / np.cos(tilt)
+    faces = triangles_of(np.arange(8).reshape(2, 4))
+    return _finish(mesh_from(np.transpose([x, y, z]), faces), STEEL, MIRRORED)
 
 
 def _piece(stated: Fields) -> Trimesh:
     """A piece of an object as ``objects.yml`` states it."""
-    kind = next(word for word in SHAPES if word in stated)
+    (kind,) = SHAPES.keys() & stated
     place = {key: stated[key] for key in ("mirrored", "at", "turn") if key in stated}
     look = getattr(finishes, str(stated["look"]), stated["look"])
     return _finish(SHAPES[kind](stated), look, **place)
@@ -185,9 +181,8 @@ def _ellipsoid(stated: Fields) -> Trimesh:
     """An ellipsoid about the origin with half axes x, y, z, m."""
     x, y, z = stated["ellipsoid"]
     angle = np.linspace(-np.pi / 2, np.pi / 2, 81)
-    height = z * np.sin(angle)
     breadths = np.outer(np.cos(angle), (x, y, y))
-    return _lathe(np.column_stack([height, breadths]), stated)
+    return _lathe(np.column_stack([z * np.sin(angle), breadths]), stated)
 
 
 def _box(size: Sequence[float]) -> Trimesh:
@@ -198,12 +193,12 @@ def _box(size: Sequence[float]) -> Trimesh:
 def _rod(stated: Fields) -> Trimesh:
     """A round rod from left to right: length and radius, m."""
     length, radius = stated["rod"]
-    ends = [(-length / 2, 0, 0), (length / 2, 0, 0)]
-    return cylinder(radius, sections=240, segment=ends)
+    return cylinder(
+        radius, sections=240, segment=[(-length / 2, 0, 0), (length / 2, 0, 0)]
+    )
 
 
-# Of a ring
-UPRIGHT = rotation_matrix(-np.pi / 2, [1, 0, 0])
+UPRIGHT = rotation_matrix(-np.pi / 2, [1, 0, 0])  # of a ring
 # Makers of the shapes of `objects.yml`.
 SHAPES = {
     "body": _body,
@@ -220,29 +215,25 @@ def _lathe(sections: Array, stated: Fields) -> Trimesh:
     x, y, z = _skin(sections, stated.get("grid", (240, 400)))
     if "relief" in stated:
         out = finishes.relief(stated["relief"], x, y, z)
-        grow = 1 + out / np.maximum(np.hypot(x, y), 0.01)
+        grow = 1 + out / np.hypot(x, y).clip(0.01)
         x *= grow
         y *= grow
-    points = np.stack([x, y, z], axis=-1).reshape(-1, 3)
+    points = np.dstack([x, y, z]).reshape(-1, 3)
     number = np.arange(x.size).reshape(x.shape)
     ring = np.hstack([number, number[:, :1]])
     corners = cells_of(ring)[..., [0, 3, 2, 1]].reshape(-1, 4)
     if "holes" in stated:
-        middles = points[corners].mean(1)
-        opened = getattr(finishes, stated["holes"])(*middles.T)
-        corners = corners[~opened]
+        opened = getattr(finishes, stated["holes"])
+        corners = corners[~opened(*points[corners].mean(1).T)]
     return mesh_from(points, triangles_of(corners))
 
 
 def _skin(sections: Array, grid: Shape) -> tuple[Array, Array, Array]:
     """Coordinates (rows, columns) of a body's skin, evenly along its profile and around it."""
-    last = sections.shape[1] - 1
-    path = sections[:, np.minimum(range(4), last)]
-    sides = np.diff(path[:, :2], axis=0)
-    lengths = np.linalg.norm(sides, axis=1)
+    path = np.take(sections, range(4), axis=1, mode="clip")
+    lengths = norm(np.diff(path[:, :2], axis=0), axis=1)
     along = np.append(0, lengths.cumsum())
-    evenly = np.linspace(0, along[-1], grid[0])
-    profile = PchipInterpolator(along, path)(evenly)
+    profile = PchipInterpolator(along, path)(np.linspace(0, along[-1], grid[0]))
     z, side, front, back = np.repeat(profile.T[..., None], grid[1], axis=2)
     turn = np.linspace(-np.pi, np.pi, grid[1], endpoint=False)  # 0 is the front
     reach = np.where(np.cos(turn) > 0, -front, -back)

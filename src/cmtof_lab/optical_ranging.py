@@ -47,9 +47,12 @@ class OpticalRanger(PhaseRanger):
 
     def panel(self) -> Panel:
         """Knobs of the instrument while it ranges: mode set, table armed, target in the beam."""
-        drive = self.frequency / MODES[self.mode]
-        rf = {"on": True, "frequency": drive, "power": self.settings.drive_power}
-        plate = float(np.deg2rad(PLATES[self.mode]))
+        rf = {
+            "on": True,
+            "frequency": self.frequency / MODES[self.mode],
+            "power": self.settings.drive_power,
+        }
+        plate = np.deg2rad(PLATES[self.mode])
         return Panel(
             RfKnobs(**rf),
             RfKnobs(**rf, table=drive_phases(self.phases, self.mode)),
@@ -95,8 +98,7 @@ class OpticalRanger(PhaseRanger):
         )
         thicker = self._air_change(settings, rng)
         place = stated + self.stage_error * rng.standard_normal(stated.size)
-        times = self.times(positions.size)
-        labels = 1 + np.rint(times / BURST_INTERVAL).astype(int)
+        labels = 1 + np.rint(self.times(positions.size) / BURST_INTERVAL).astype(int)
         phases = self.phase(self.counts(instrument, place, labels))
         ranges = index * (target.distance + stated)
         off = range_errors(phases, ranges, self.frequency, visits=self.visits)[
@@ -112,8 +114,9 @@ class OpticalRanger(PhaseRanger):
 
     def bound(self, target: Plane, positions: ArrayLike) -> Array:
         """Cramer-Rao bound on one estimate (P,), m: noise alone, that of the zero included."""
-        ranges = np.add(target.distance, positions)
-        light = collected_power(self.settings, target, ranges, self.mode)
+        light = collected_power(
+            self.settings, target, np.add(target.distance, positions), self.mode
+        )
         noise = self.dimming_and_noise(light)[1] * np.sqrt(1 + 1 / self.visits)
         return depth_from_phase(noise, self.frequency)
 
@@ -134,8 +137,8 @@ class OpticalRanger(PhaseRanger):
         per_watt = volts_per_watt(settings) * dimming
         counts = settings.converter_noise**2 + 1 / 12
         kept = self.phases * (self.samples - self.settle)
-        variance = density(settings, per_watt * mean) * self._bandwidth()
-        variance = variance + 2 / kept * counts * SLOPE**2
+        analog = density(settings, per_watt * mean) * self._bandwidth()
+        variance = analog + 2 / kept * counts * SLOPE**2
         return dimming, np.sqrt(variance) / (per_watt * amplitude)
 
     def _bandwidth(self) -> float:
@@ -148,7 +151,7 @@ class OpticalRanger(PhaseRanger):
         # both ways of a lag, and none at lag 0
         memory[0] /= 2
         scale = 2 / (self.phases * kept.sum())
-        return float(scale**2 * (overlap @ memory))
+        return scale**2 * (overlap @ memory)
 
 
 def _another_day(settings: TwinSettings, rng: Generator) -> TwinSettings:

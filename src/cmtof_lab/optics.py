@@ -3,6 +3,7 @@
 from typing import NamedTuple
 
 import numpy as np
+from numpy.linalg import norm
 from numpy.typing import ArrayLike
 from pandas.util import hash_array
 from scipy.special import gammaincinv
@@ -23,8 +24,7 @@ SPECULAR_DIFFUSE = 0.02
 # Points of the spot in units of its 1/e^2 radius, and their weights: exact for a Gaussian up to
 # degree 5 (Stroud, Approximate Calculation of Multiple Integrals, 1971, E_2^{r^2}: 5-1)
 _HEXAGON = np.arange(6) * np.pi / 3
-_RING = np.stack([np.cos(_HEXAGON), np.sin(_HEXAGON)], -1)
-_SPOT = np.append([[0.0, 0.0]], _RING, axis=0)  # pyright: ignore[reportArgumentType, reportCallIssue]
+_SPOT = np.vstack([[0.0, 0.0], np.transpose([np.cos(_HEXAGON), np.sin(_HEXAGON)])])
 _WEIGHTS = np.array([1 / 2] + 6 * [1 / 12])
 
 
@@ -37,11 +37,8 @@ class Paths(NamedTuple):
 
 def directions_from_angles(angles: ArrayLike, aside: ArrayLike = 0.0) -> Array:
     """Unit vectors (..., 3) along (tan x, tan y, 1) + aside for optical angles (..., 2), rad."""
-    tangent = np.tan(angles) + aside
-    ahead = np.ones_like(tangent[..., :1])
-    ray = np.concatenate([tangent, ahead], axis=-1)
-    length = np.linalg.norm(ray, axis=-1, keepdims=True)
-    return ray / length
+    ray = np.insert(np.tan(angles) + aside, 2, 1.0, axis=-1)
+    return ray / norm(ray, axis=-1, keepdims=True)
 
 
 def spot_radius(settings: TwinSettings, distance: ArrayLike) -> Array:
@@ -57,8 +54,7 @@ def aperture_area(settings: TwinSettings) -> float:
 def speckle_cells(settings: TwinSettings, distance: ArrayLike) -> Array:
     """Speckle cells in the aperture, ``1 + A pi w^2 / (lambda z)^2``; their contrast is 1/sqrt."""
     # (lambda z)^2 / (pi w^2): coherence area of a Gaussian spot (Goodman, Speckle, 2007, ch. 4)
-    area = aperture_area(settings)
-    product = area * np.pi * spot_radius(settings, distance) ** 2
+    product = aperture_area(settings) * np.pi * spot_radius(settings, distance) ** 2
     return 1 + product / np.multiply(settings.wavelength, distance) ** 2
 
 
@@ -73,10 +69,9 @@ def returned_fractions(settings: TwinSettings, hits: RayEnds) -> list[Array]:
     z = hits.range
     radius = settings.aperture / 2
     lobe = np.hypot(SPECULAR_LOBE, 2 * settings.divergence)
-    with np.errstate(invalid="ignore", divide="ignore", over="ignore"):
+    with np.errstate(all="ignore"):
         # rho cos A / (pi z^2), half of it in the splitter's polarisation; half at the very most
-        steradian = (radius / z) ** 2
-        rough = np.minimum(0.5 * hits.cosine * steradian, 0.5)
+        rough = np.minimum(0.5 * hits.cosine * (radius / z) ** 2, 0.5)
         # a Gaussian lobe, cut by the aperture, keeps its polarisation
         cut = radius / (z * lobe)
         mirrored = (1 - np.exp(-2 * cut**2)) * lobe_share(hits.cosine, lobe)
@@ -95,10 +90,10 @@ def trace(
 ) -> Paths:
     """Paths (N, 7) of the spot's sub-rays for optical angles (N, 2), rad."""
     # the spot's angle at 1 m serves at every range, or each ray would have to be traced twice
-    angle = spot_radius(settings, 1.0)
-    rays = directions_from_angles(angles[:, None, :], angle * _SPOT)
+    spot = spot_radius(settings, 1.0) * _SPOT
+    rays = directions_from_angles(angles[:, None], spot)
     hits = target.look(rays)
-    distance = np.where(hits.range > 0, hits.range, 0.0)
+    distance = np.fmax(hits.range, 0.0)
     rough, polished = (_WEIGHTS * one for one in returned_fractions(settings, hits))
     if settings.speckle and rough.any():
         # a gamma law of each sub-ray's cells, so that the whole spot follows that of all cells
@@ -118,12 +113,11 @@ def uniform_from_places(seed: int, places: ArrayLike, count: int) -> Array:
     pair = np.asarray(places, np.int64).view(np.uint64)
     start = hash_array(np.array([seed & WORD, 7], np.uint64))  # pyright: ignore[reportCallIssue]
     # arrays of unsigned integers wrap round without a warning
-    first = pair[:, :1] << 32
-    word = first ^ (pair[:, 1:] & 0xFFFFFFFF)
+    word = (pair[:, :1] << 32) ^ (pair[:, 1:] & 0xFFFFFFFF)
     column = np.arange(1, count + 1, dtype=np.uint64) * 0x9E3779B97F4A7C15
     row = hash_array(word ^ start[:1])  # pyright: ignore[reportCallIssue]
-    mixed = hash_array(row + start[1:] + column)  # pyright: ignore[reportCallIssue]
-    return ((mixed >> 11) + 0.5) / 2.0**53
+    mixed = hash_array(row + start[1:] + column) >> 11  # pyright: ignore[reportCallIssue]
+    return (mixed + 0.5) / 2.0**53
 
 
 def outward(settings: TwinSettings) -> float:
@@ -138,8 +132,7 @@ def inward(settings: TwinSettings) -> float:
 
 def ambient(settings: TwinSettings) -> float:
     """Room light, W, behind `inward`: radiance times aperture times solid angle, half polarised."""
-    view = np.pi * settings.field_of_view**2 / 4
-    etendue = aperture_area(settings) * view
+    etendue = aperture_area(settings) * (np.pi * settings.field_of_view**2 / 4)
     return 0.5 * settings.ambient_radiance * etendue * inward(settings)
 
 
@@ -151,8 +144,7 @@ def emission_harmonics(settings: TwinSettings, mode: str) -> Complex:
 
 def emission_mean(settings: TwinSettings, mode: str) -> float:
     """Mean transmission of that module, mirror included."""
-    mean = emission_harmonics(settings, mode)[0].real
-    return mean * settings.mirror_reflectance
+    return emission_harmonics(settings, mode)[0].real * settings.mirror_reflectance
 
 
 def sent_power(settings: TwinSettings, mode: str = "single") -> float:

@@ -44,9 +44,12 @@ def simulated_bench(
     }
     if isinstance(scene, str | Path):
         about["scene"] = Path(scene).name
-    devices = simulated_devices(instrument, rig)
     return Bench(
-        rig, devices, patience=0.0, clock_of=lambda n: BURST_INTERVAL * n, **about
+        rig,
+        simulated_devices(instrument, rig),
+        patience=0.0,
+        clock_of=lambda n: BURST_INTERVAL * n,
+        **about,
     )
 
 
@@ -104,5 +107,5 @@ def scan_scene(
         data = scan(plan, bench, Path(folder, "m.nc")).dataset
     ranges = SimulatedInstrument(settings, target).ranges(plan.angles)
     data["depth"] = (("y", "x"), data.attrs["group_index"] * ranges, {"units": "m"})
-    data["mask"] = data["mask"] * np.isfinite(ranges).astype(np.int8)
+    data["mask"] *= np.isfinite(ranges)
     return Measurement(data)

@@ -13,7 +13,7 @@ with H = 1/(1 + i f/f_c) and the noise e_n of the amplifier behind the mixer, a 
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.random import Generator
+from numpy.random import Generator, default_rng
 from numpy.typing import ArrayLike
 from scipy.constants import Boltzmann, elementary_charge
 
@@ -99,8 +99,8 @@ class RfRanger(PhaseRanger):
     def output(self, envelopes: ArrayLike) -> Complex:
         """Voltages I + iQ behind the amplifiers of envelopes, V."""
         gain = 10 ** (self.amplitude_imbalance / 20)
-        size = np.sqrt(self.gain_ahead) * self.baseband_gain
-        return size * skew_quadratures(envelopes, gain, self.phase_imbalance)
+        read = skew_quadratures(envelopes, gain, self.phase_imbalance)
+        return np.sqrt(self.gain_ahead) * self.baseband_gain * read
 
     @property
     def sent_light(self) -> float:
@@ -110,8 +110,8 @@ class RfRanger(PhaseRanger):
     @property
     def offsets(self) -> Array:
         """Envelopes of self-mixing and pick-up (2,), V: no light."""
-        leaked = self.lo_power - self.lo_isolation - self.return_loss
-        leaked -= self.amplifier_gain - self.filter_loss
+        sent_back = self.lo_power - self.lo_isolation - self.return_loss
+        leaked = sent_back - (self.amplifier_gain - self.filter_loss)
         level = np.array([leaked, self.drive_power - self.isolation])  # dBm
         return np.sqrt(2 * self.load * 1e-3 * 10 ** (level / 10))
 
@@ -148,8 +148,9 @@ class RfRanger(PhaseRanger):
 
     def phase(self, ranges: ArrayLike) -> Array:
         """Phase, rad, of ranges in air, m."""
-        ways = np.multiply(self.settings.group_index, ranges)
-        return phase_from_depth(ways, self.frequency)
+        return phase_from_depth(
+            np.multiply(self.settings.group_index, ranges), self.frequency
+        )
 
     def phasor(self, light: Array, ranges: ArrayLike, turn: ArrayLike = 0.0) -> Complex:
         """Envelope, V, of light, W, from ranges, m, its phase turned by ``turn``, rad."""
@@ -159,10 +160,8 @@ class RfRanger(PhaseRanger):
         """Estimated ranges (P,), m, of one sweep."""
         count = self.visits
         ranges = target.distance + np.append(zero_positions(count), positions)
-        read = self.readings(target, ranges, rng)
-        turned = read * np.exp(-1j * self.phase(ranges))
-        zero = turned[:count].sum()
-        off = centred(np.angle(turned[count:] / zero))
+        turned = self.readings(target, ranges, rng) * np.exp(-1j * self.phase(ranges))
+        off = centred(np.angle(turned[count:] / turned[:count].sum()))
         return ranges[count:] + off / self.phase(1.0)
 
     def bound(self, target: Plane, positions: ArrayLike) -> Array:
@@ -175,9 +174,8 @@ class RfRanger(PhaseRanger):
         # the last reading is that of the blocked beam
         times = np.append(self.times(ranges.size - self.visits), 0.0)
         # the zero and the blocked beam are averaged over many points
-        averaged = np.ones(times.size)
-        averaged[: self.visits] = self.points
-        averaged[-1] = self.points
+        quieter = np.ones(times.size)
+        quieter[: self.visits] = quieter[-1] = np.sqrt(self.points)
         key = int(rng.integers(2**62))
         # both parts of the offset, the phase, and the fibre
         slow = [drift(key, channel, times) / DRIFT_RMS for channel in range(4)]
@@ -185,8 +183,8 @@ class RfRanger(PhaseRanger):
         constant = constant * (1 + self.drift * (slow[0] + 1j * slow[1]))
         place = ranges + self.stage_error * rng.standard_normal(ranges.size)
         light = np.append(self._received_light(target, ranges, rng), 0.0)
-        turn = self.settings.phase_noise[MODES[self.mode] - 1] / np.sqrt(averaged)
-        turn = turn * rng.standard_normal(times.size)
+        noise = self.settings.phase_noise[MODES[self.mode] - 1] / quieter
+        turn = noise * rng.standard_normal(times.size)
         turn += self.settings.phase_drift * slow[2]
         seen = self.phasor(light, np.append(place, 0.0), turn)
         seen += self.phasor(
@@ -194,8 +192,7 @@ class RfRanger(PhaseRanger):
             self.settings.back_range,
             turn,
         )
-        noise = self.noise(light) / np.sqrt(averaged)
-        noise = noise * circular_normals(rng, times.size)
+        noise = self.noise(light) / quieter * circular_normals(rng, times.size)
         return self._read(constant + self._fibre(slow[3]) * seen + noise, rng)
 
     def _read(self, envelopes: Complex, rng: Generator) -> Complex:
@@ -221,9 +218,8 @@ class RfRanger(PhaseRanger):
 
     def _fibre(self, drifted: Array) -> Array:
         """Transmission of the fibre over its mean."""
-        settings = self.settings
-        swing = settings.fibre_high - settings.fibre_low
-        return 1 + swing / (2 * settings.fibre) * DRIFT_RMS * drifted
+        swing = self.settings.fibre_high - self.settings.fibre_low
+        return 1 + swing / (2 * self.settings.fibre) * DRIFT_RMS * drifted
 
 
 def skew_quadratures(phasor: ArrayLike, gain: float, error: float) -> Complex:
@@ -235,10 +231,13 @@ def skew_quadratures(phasor: ArrayLike, gain: float, error: float) -> Complex:
 def rf_image(ranger: RfRanger, target: Target, angles: Array, *, seed: int) -> Array:
     """Wrapped phase (...), rad, by RF demodulation at optical angles (..., 2), rad; noise alone."""
     paths = trace(target, np.reshape(angles, (-1, 2)), ranger.settings, seed)
-    seen = ranger.seen_share(np.maximum(paths.range, 1e-3))
-    power = ranger.sent_light * paths.fraction * seen
+    power = (
+        ranger.sent_light
+        * paths.fraction
+        * ranger.seen_share(np.maximum(paths.range, 1e-3))
+    )
     # each ray of the spot has a phase of its own: on a slope they partly cancel
     read = ranger.phasor(power, paths.range).sum(-1)
-    rng = np.random.default_rng([seed, 16, ranger.mode == "doubled"])
+    rng = default_rng([seed, 16, ranger.mode == "doubled"])
     read += ranger.noise(power.sum(-1)) * circular_normals(rng, read.size)
     return wrapped(np.angle(read)).reshape(np.shape(angles)[:-1])

@@ -24,12 +24,24 @@ CAPTURES = {"curlyhair1": (0.092, 0.45), "head": (0.132, 0.02), "owl": (0.126, 0
 _LEVEL, _GRAIN = np.mean(list(CAPTURES.values()), axis=0).round(3).tolist()
 # Noise of the instrument: that of photons and electronics alone, or besides the captures' mean.
 # They have 7.15 GHz alone; as many radians at 14.32 GHz are assumed, where a jitter in time doubles
-NOISE: dict[str, Fields] = {"photon": {}}
-NOISE["captures"] = {"phase_noise": (_LEVEL, _LEVEL), "grain": _GRAIN}
+NOISE = {
+    "photon": {},
+    "captures": {"phase_noise": (_LEVEL, _LEVEL), "grain": _GRAIN},
+}
 
 # Settings that are zero in an ideal instrument
-FLAWS = ("phase_offset", "phase_drift", "phase_step_error", "iq_imbalance", "leakage")
-FLAWS += ("back_fraction", "ambient_radiance", "divergence", "exit_radius", "pressure")
+FLAWS = (
+    "phase_offset",
+    "phase_drift",
+    "phase_step_error",
+    "iq_imbalance",
+    "leakage",
+    "back_fraction",
+    "ambient_radiance",
+    "divergence",
+    "exit_radius",
+    "pressure",
+)
 
 
 @dataclass(
@@ -149,7 +161,13 @@ class TwinSettings:
     @classmethod
     def ideal(cls, **changes: Any) -> "TwinSettings":
         """Build settings without noise, drift, errors, speckle, back-reflection or air."""
-        perfect = {"mirror_reflectance": 1.0, "fibre_low": 0.25, "fibre_high": 0.25}
-        perfect |= {"transmitted_extinction": np.inf, "reflected_extinction": np.inf}
-        perfect |= dict.fromkeys(FLAWS, 0.0) | {"noise": False, "speckle": False}
+        perfect = dict.fromkeys(FLAWS, 0.0) | {
+            "mirror_reflectance": 1.0,
+            "fibre_low": 0.25,
+            "fibre_high": 0.25,
+            "transmitted_extinction": np.inf,
+            "reflected_extinction": np.inf,
+            "noise": False,
+            "speckle": False,
+        }
         return cls(**perfect | changes)  # pyright: ignore[reportArgumentType]

@@ -53,7 +53,7 @@ def photographed_spots(
     away = np.arange(WINDOW + 1) - true[..., None]
     shares = np.diff(ndtr(away / width[:, None, None]), axis=-1)
     across, down = np.moveaxis(shares, 1, 0)
-    mean = rate[:, None, None] * down[:, :, None] * across[:, None, :]
+    mean = rate[:, None, None] * down[..., None] * across[:, None]
     mean += sensor.ambient
     drawn = rng.poisson(mean) + sensor.read_noise * rng.standard_normal(mean.shape)
     return np.minimum(drawn, sensor.full_well) - sensor.ambient
@@ -75,18 +75,18 @@ def place_spots(windows: ArrayLike, sensor: Sensor) -> Arrays:
     for _ in range(12):
         off = np.arange(light.shape[-1]) + 0.5 - centre[..., None]
         near = np.exp(-(off**2) / 2 / WEIGHT**2)
-        weight = near[1, :, :, None] * near[0, :, None, :]
+        weight = near[1, ..., None] * near[0, :, None]
         lit = weight * light
-        total = np.maximum(lit.sum((1, 2)), 1e-9)
+        total = lit.sum((1, 2)).clip(1e-9)
         pull = np.vecdot([lit.sum(1), lit.sum(2)], off)
-        centre += np.clip(2 * pull / total, -1, 1)
-    noise = np.maximum(light, 0) + sensor.ambient + sensor.read_noise**2
+        centre += (2 * pull / total).clip(-1, 1)
+    noise = light.clip(0) + sensor.ambient + sensor.read_noise**2
     noise *= weight**2  # pyright: ignore[reportPossiblyUnboundVariable]
     off = off[0] ** 2  # pyright: ignore[reportPossiblyUnboundVariable]
     sigma = np.sqrt(np.vecdot(noise.sum(1), off))
-    sigma /= np.maximum(np.vecdot(lit.sum(1), 1 - off / WEIGHT**2), 1e-9)  # pyright: ignore[reportPossiblyUnboundVariable]
+    sigma /= np.vecdot(lit.sum(1), 1 - off / WEIGHT**2).clip(1e-9)  # pyright: ignore[reportPossiblyUnboundVariable]
     lost = total < 6 * np.sqrt(noise.sum((1, 2)))  # pyright: ignore[reportPossiblyUnboundVariable]
-    lost |= (np.abs(centre - middle) > 2).any(0)
+    lost |= (abs(centre - middle) > 2).any(0)
     lost |= light.max((1, 2)) >= sensor.full_well - sensor.ambient
     sigma = np.where(lost, np.nan, np.hypot(sigma, sensor.speckle))
     return np.where(lost, np.nan, centre).T, sigma

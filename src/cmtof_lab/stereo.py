@@ -9,6 +9,7 @@ from dataclasses import dataclass, replace
 from typing import NamedTuple
 
 import numpy as np
+from numpy.linalg import norm
 from numpy.random import Generator
 from numpy.typing import ArrayLike
 from scipy.spatial.transform import RigidTransform, Rotation
@@ -25,9 +26,8 @@ from cmtof_lab.targets import MeshTarget
 COLUMNS = 9  # inner corners of the checkerboard
 ROWS = 6
 SQUARE = 0.04  # side of a square, m
-_GRID = np.mgrid[:COLUMNS, :ROWS, :1].T.reshape(-1, 3)
 # Those corners (54, 3), m, row by row about the middle of the board
-BOARD = SQUARE * (_GRID - [4, 2.5, 0])
+BOARD = SQUARE * (np.mgrid[:COLUMNS, :ROWS, :1].T.reshape(-1, 3) - [4, 2.5, 0])
 
 
 @dataclass(frozen=True, eq=False)
@@ -37,7 +37,7 @@ class StereoRig:
     matrices: Array  # (2, 3, 3): focal lengths and centres, px
     distortions: Array  # (2, 5): Brown's, in OpenCV's order
     # From the scanner's frame, m, to each camera's
-    poses: tuple[RigidTransform, RigidTransform]
+    poses: tuple[RigidTransform, ...]
     shape: Shape  # height and width of the images, px
 
     @property
@@ -58,8 +58,8 @@ class StereoRig:
             inside = np.ascontiguousarray(pose.apply(points.reshape(-1, 3)))
             inside[~(inside[:, 2] > 0)] = np.nan
             found, _ = cv2.projectPoints(inside, still, still, *lens)
-            seen.append(found.reshape(*points.shape[:-1], 2))
-        return np.stack(seen)
+            seen.append(found)
+        return np.reshape(seen, (2, *points.shape[:-1], 2))
 
     def triangulate(self, pixels: Array) -> Array:
         """Points (..., 3), m, of pairs of pixels (2, ..., 2); NaN without a pair."""
@@ -69,7 +69,7 @@ class StereoRig:
         matrices = [pose.as_matrix()[:3] for pose in self.poses]
         stop = (cv2.TERM_CRITERIA_COUNT + cv2.TERM_CRITERIA_EPS, 20, 1e-12)
         planes = [
-            cv2.undistortPoints(np.nan_to_num(one), *lens, criteria=stop)[:, 0].T
+            cv2.undistortPoints(np.nan_to_num(one), *lens, criteria=stop)
             for one, *lens in zip(flat, self.matrices, self.distortions, strict=True)
         ]
         *place, scale = cv2.triangulatePoints(*matrices, *planes)
@@ -102,18 +102,14 @@ def simulated_rig(*, baseline: float = 0.3, sensor: Sensor = SENSOR) -> StereoRi
 
 def board_poses(rig: StereoRig, count: int, *, rng: Generator) -> list[RigidTransform]:
     """Poses of a board about 1.1 m away, tilted by 15 to 40 degrees, whole in both images."""
-    poses: list[RigidTransform] = []
+    poses = []
     while len(poses) < count:
-        tilt, about, roll = rng.uniform(
-            [15, 0, -0.4],
-            [40, TAU, 0.4],
+        tilt, about, roll, x, y, z = rng.uniform(
+            [15, 0, -0.4, -0.14, -0.10, 0.9],
+            [40, TAU, 0.4, 0.14, 0.10, 1.3],
         )
         # leaning about an axis in the board, then rolled
         turn = Rotation.from_euler("ZXZ", [about, np.deg2rad(tilt), roll - about])
-        x, y, z = rng.uniform(
-            [-0.14, -0.10, 0.9],
-            [0.14, 0.10, 1.3],
-        )
         pose = RigidTransform.from_components([x * z, y * z, z], turn)
         outline = rig.project(pose.apply(1.6 * BOARD))
         if ((outline > 0) & (outline < rig.shape[::-1])).all():
@@ -126,10 +122,8 @@ def calibrate(corners: ArrayLike, shape: Shape) -> tuple[StereoRig, float]:
     import cv2
 
     corners = np.asarray(corners, np.float32)
-    views = corners.shape[1]
-
     rms, left, bent_left, right, bent_right, turn, shift, *_ = cv2.stereoCalibrate(  # pyright: ignore[reportCallIssue]
-        [BOARD.astype(np.float32)] * views,
+        [BOARD.astype(np.float32)] * corners.shape[1],
         *map(list, corners),
         *[None] * 4,  # nothing is known of the lenses
         shape[::-1],
@@ -152,13 +146,13 @@ def locate_scanner(rig: StereoRig, pixels: Array, directions: Array) -> StereoRi
     points = rig.triangulate(pixels).reshape(-1, 3)
     beams = directions.reshape(-1, 3)
     known = np.isfinite(points).all(-1) & (beams[:, 2] > 0)
-    plane = beams[known, :2] / beams[known, 2:]
-    _, turn, shift = cv2.solvePnP(points[known], plane, np.eye(3), np.zeros(4))
+    _, turn, shift = cv2.solvePnP(
+        points[known], beams[known, :2] / beams[known, 2:], np.eye(3), np.zeros(4)
+    )
     scanner = RigidTransform.from_components(
         shift.ravel(), Rotation.from_rotvec(turn.ravel())
     )
-    left, right = (pose * scanner.inv() for pose in rig.poses)
-    return replace(rig, poses=(left, right))
+    return replace(rig, poses=tuple(pose * scanner.inv() for pose in rig.poses))
 
 
 class Spots(NamedTuple):
@@ -205,12 +199,11 @@ def _spot_light(
 ) -> Arrays:
     """Electrons (H, W) of each spot in camera k, none where hidden, and its width, px."""
     away = rig.centres[k] - points
-    distance = np.linalg.norm(away, axis=-1)
+    distance = norm(away, axis=-1)
     facing = np.vecdot(normals_from_points(points), away)
-    cosine = np.clip(facing / distance, 0.02, 1)
-    rate = np.clip(frame.intensity, 0, 1) * cosine / distance**2
-    spot = sensor.beam * rig.matrices[k, 0, 0] / distance
-    width = np.hypot(sensor.blur, spot)
+    cosine = (facing / distance).clip(0.02, 1)
+    rate = frame.intensity.clip(0, 1) * cosine / distance**2
+    width = np.hypot(sensor.blur, sensor.beam * rig.matrices[k, 0, 0] / distance)
     peak = rate / TAU / width**2
     rate *= 0.7 * sensor.full_well / np.nanpercentile(peak, 99)
     rate[~visible_from(points, rig.centres[k])] = 0
@@ -273,18 +266,16 @@ def _ranges(spots: Spots, rig: StereoRig, draws: Sequence[StereoRig]) -> Arrays:
     missed /= spots.sigma[..., None]
     # chi^2 across the epipolar line: a right pair exceeds 12 in 0.05 % of cases
     points[(missed**2).sum((0, -1)) > 12] = np.nan
-    found = np.linalg.norm(points, axis=-1)
+    found = norm(points, axis=-1)
     variance = np.zeros(found.shape)
     step = 0.05  # px
     for camera, axis in np.ndindex(2, 2):
         moved = spots.pixels.copy()
         moved[camera, ..., axis] += step
-        there = np.linalg.norm(rig.triangulate(moved), axis=-1)
+        there = norm(rig.triangulate(moved), axis=-1)
         variance += ((there - found) / step * spots.sigma[camera]) ** 2
     spread = np.sqrt(variance)
     if draws:
-        others = [
-            np.linalg.norm(one.triangulate(spots.pixels), axis=-1) for one in draws
-        ]
+        others = [norm(one.triangulate(spots.pixels), axis=-1) for one in draws]
         spread = np.hypot(spread, np.std(others, axis=0, ddof=1))
     return found, spread

@@ -11,7 +11,8 @@ from dataclasses import KW_ONLY, dataclass, field, replace
 from typing import NamedTuple
 
 import numpy as np
-from numpy.random import Generator
+from numpy.linalg import norm
+from numpy.random import Generator, default_rng
 from numpy.typing import ArrayLike
 
 from cmtof.constants import FREQUENCY_DOUBLED, FREQUENCY_SINGLE
@@ -23,6 +24,7 @@ from cmtof_lab.targets import Plane, RayEnds
 
 # Stage positions, m: 1 mm in steps of 50 um (Sec. 8.2)
 POSITIONS = 5e-5 * np.arange(21)
+ABOUT = POSITIONS - POSITIONS.mean()  # about their middle, as a zero's wrap is
 STAGE_ERROR = 5e-8  # Error of a position of the stage, rms, m (Sec. 8.2)
 WRAP = float(wrap_length(FREQUENCY_SINGLE))  # m
 # Modulation frequency of each mode, Hz.
@@ -38,8 +40,9 @@ def collected_power(
     settings: TwinSettings, target: Plane, ranges: ArrayLike, mode: str = "single"
 ) -> Array:
     """Mean light (...), W, behind the receiving optics, of a target at ranges (...), m."""
-    places = np.append(target.distance, ranges)
-    hits = RayEnds(places, 1.0, target.reflectance, target.mirrored)
+    hits = RayEnds(
+        np.append(target.distance, ranges), 1.0, target.reflectance, target.mirrored
+    )
     share = sum(returned_fractions(settings, hits))
     # a mirror turns the rim of the spot away: the same part of it at every range
     smooth = replace(settings, speckle=False)
@@ -69,8 +72,12 @@ class Ranger(ABC):
         A repeat is another day: all that no setting states is drawn again.
         """
         stops = np.asarray(positions, float)
-        days = [np.random.default_rng([seed, repeat]) for repeat in range(repeats)]
-        return np.stack([self.day(target, stops, rng) for rng in days])
+        return np.stack(
+            [
+                self.day(target, stops, default_rng([seed, repeat]))
+                for repeat in range(repeats)
+            ]
+        )
 
     @abstractmethod
     def day(self, target: Plane, positions: Array, rng: Generator) -> Array:
@@ -97,8 +104,10 @@ class PhaseRanger(Ranger):
 
     def times(self, count: int) -> Array:
         """Times, s, of the visits, and of readings at so many positions."""
-        later = self.age + self.step_time * np.arange(count)
-        return np.append(self.step_time * np.arange(self.visits), later)
+        return np.append(
+            self.step_time * np.arange(self.visits),
+            self.age + self.step_time * np.arange(count),
+        )
 
 
 def circular_normals(rng: Generator, count: int) -> Complex:
@@ -118,10 +127,9 @@ class Parts(NamedTuple):
 
 def parts(errors: Array) -> Parts:
     """Offset, slope, scatter, RMSE and MAE of errors (..., P), m, at `POSITIONS`."""
-    about = POSITIONS - POSITIONS.mean()
-    offset = errors.mean(axis=-1)
-    slope = errors @ about / (about @ about)
-    left = errors - offset[..., None] - slope[..., None] * about
-    scatter = np.linalg.norm(left, axis=-1) / np.sqrt(about.size - 2)
-    rmse = np.linalg.norm(errors, axis=-1) / np.sqrt(about.size)
-    return Parts(offset, slope, scatter, rmse, np.abs(errors).mean(axis=-1))
+    offset = errors.mean(-1)
+    slope = errors @ ABOUT / (ABOUT @ ABOUT)
+    left = errors - offset[..., None] - slope[..., None] * ABOUT
+    scatter = norm(left, axis=-1) / np.sqrt(ABOUT.size - 2)
+    rmse = norm(errors, axis=-1) / np.sqrt(ABOUT.size)
+    return Parts(offset, slope, scatter, rmse, abs(errors).mean(-1))

@@ -3,7 +3,6 @@
 Coordinates of the camera: x right, y down, z forward; the galvo's beam leaves along +z at 0 V.
 """
 
-from collections.abc import Mapping
 from dataclasses import dataclass
 from functools import cached_property, partial
 from pathlib import Path
@@ -11,13 +10,14 @@ from typing import Any, NamedTuple
 
 import numpy as np
 from numpy.lib.stride_tricks import sliding_window_view
+from numpy.linalg import norm
 from numpy.typing import ArrayLike, NDArray
 from pydantic import ConfigDict
 from scipy.interpolate import RegularGridInterpolator
 
 from cmtof.frame import rays_from_camera
 from cmtof.scenes import Frame, load_frame
-from cmtof.types import Array, Arrays, Fields, Flags, Numbers
+from cmtof.types import Array, Arrays, Flags, Numbers
 
 # Neighbouring pixels whose depths differ by a smaller share: one surface
 LARGEST_STEP = 0.02
@@ -51,13 +51,8 @@ class Plane:
         normal = np.array([-np.tan(self.tilt_x), 0.0, 1.0])
         along = directions @ normal
         reach = self.distance / np.where(along > 0, along, np.nan)
-        cosine = along / np.linalg.norm(normal)
-        return RayEnds(
-            reach,
-            cosine,
-            np.full(reach.shape, self.reflectance),
-            self.mirrored,
-        )
+        cosine = along / norm(normal)
+        return RayEnds(reach, cosine, self.reflectance, self.mirrored)
 
 
 PLATE = Plane(0.60)  # Diffuse target of Sec. 8.2
@@ -77,19 +72,19 @@ class FrameTarget:
         self._camera = np.array([[fx, sum(skew), cx], [0, fy, cy]], float)
         self._reflectance = np.clip(frame.intensity, 0, 1, dtype=float)
         rays = rays_from_camera(frame.depth.shape, frame.camera)
-        planar = frame.depth / np.linalg.norm(rays, axis=-1)
+        planar = frame.depth / norm(rays, axis=-1)
         self._inverse = 1 / planar
         self._cosine = _cosines(planar, rays)
-        middles = [np.arange(size) + 0.5 for size in planar.shape]
         self._smooth = RegularGridInterpolator(
-            middles,
+            [np.arange(size) + 0.5 for size in planar.shape],
             self._inverse,
             bounds_error=False,
             fill_value=None,  # pyright: ignore[reportArgumentType]
         )
         corners = sliding_window_view(self._inverse, (2, 2))
-        smallest = corners.min(axis=(2, 3))
-        self._step = np.ptp(corners, axis=(2, 3)) / smallest
+        step = np.ptp(corners, axis=(2, 3)) / corners.min(axis=(2, 3))
+        # the rim beyond the outer middles belongs to the next cell
+        self._step = np.pad(step, 1, mode="edge")
 
     def look(self, directions: Array) -> RayEnds:
         """Trace unit rays (..., 3) from the origin."""
@@ -98,19 +93,15 @@ class FrameTarget:
         seen = ((pixels >= 0) & (pixels < self._inverse.shape[::-1])).all(-1)
         u, v = np.moveaxis(np.where(seen[..., None], pixels, 0.0), -1, 0)
         nearest = v.astype(int), u.astype(int)
-        reach = 1 / (self._inverse_at(u, v) * np.where(seen, ahead, np.nan))
-        return RayEnds(reach, self._cosine[nearest], self._reflectance[nearest])
-
-    def _inverse_at(self, u: Array, v: Array) -> Array:
-        """Inverse depth, 1/m, exact on planes; across a step that of the nearest pixel."""
-        height, width = self._inverse.shape
-        row = np.clip(v - 0.5, 0, height - 2).astype(int)
-        column = np.clip(u - 0.5, 0, width - 2).astype(int)
-        return np.where(
-            self._step[row, column] < LARGEST_STEP,
+        cell = (v + 0.5).astype(int), (u + 0.5).astype(int)
+        # exact on planes; across a step that of the nearest pixel
+        inverse = np.where(
+            self._step[cell] < LARGEST_STEP,
             self._smooth((v, u)),
-            self._inverse[v.astype(int), u.astype(int)],
+            self._inverse[nearest],
         )
+        reach = 1 / (inverse * np.where(seen, ahead, np.nan))
+        return RayEnds(reach, self._cosine[nearest], self._reflectance[nearest])
 
 
 def _cosines(planar: Array, rays: Array) -> Array:
@@ -118,11 +109,10 @@ def _cosines(planar: Array, rays: Array) -> Array:
     points = rays * planar[..., None]
     down = _smaller_step(points.swapaxes(0, 1)).swapaxes(0, 1)
     normal = np.cross(_smaller_step(points), down)
-    with np.errstate(invalid="ignore", divide="ignore"):
-        size = np.linalg.norm(normal, axis=-1)
-        along = np.vecdot(normal, rays)
-        cosine = np.abs(along) / size / np.linalg.norm(rays, axis=-1)
-    return np.clip(np.nan_to_num(cosine, nan=1.0), 0, 1)
+    with np.errstate(all="ignore"):
+        along = abs(np.vecdot(normal, rays))
+        cosine = along / norm(normal, axis=-1) / norm(rays, axis=-1)
+    return np.nan_to_num(cosine, nan=1.0).clip(0, 1)
 
 
 def _smaller_step(points: Array) -> Array:
@@ -130,9 +120,8 @@ def _smaller_step(points: Array) -> Array:
     step = np.diff(points, axis=1, prepend=np.nan, append=np.nan)
     left = step[:, :-1]
     right = step[:, 1:]
-    size = np.nan_to_num(np.abs(step[..., 2:]), nan=np.inf)
-    nearer = size[:, :-1] < size[:, 1:]
-    return np.where(nearer, left, right)
+    size = np.nan_to_num(abs(step[..., 2:]), nan=np.inf)
+    return np.where(size[:, :-1] < size[:, 1:], left, right)
 
 
 @dataclass(frozen=True, eq=False)
@@ -141,8 +130,8 @@ class MeshTarget:
 
     vertices: NDArray
     faces: NDArray
-    reflectance: float | Array = 0.5  # a number or (V,), which is interpolated
-    mirrored: float | Array = 0.0  # likewise
+    reflectance: ArrayLike = 0.5  # a number or (V,), which is interpolated
+    mirrored: ArrayLike = 0.0  # likewise
 
     @classmethod
     def from_mesh(cls, mesh: Any) -> "MeshTarget":
@@ -163,8 +152,7 @@ class MeshTarget:
         rays = np.ascontiguousarray(exact, np.float32)
         hits = self._tracer.nearest(np.zeros_like(rays), rays)
         met = hits.triangle >= 0
-        triangle = np.where(met, hits.triangle, 0)
-        corners = np.asarray(self.faces)[triangle]
+        corners = np.asarray(self.faces)[np.where(met, hits.triangle, 0)]
         reach, cosine = self._plane_met(exact, corners)
         found = [np.where(met, reach, np.nan), cosine]
         weights = np.stack([1 - hits.u - hits.v, hits.u, hits.v], -1)
@@ -178,15 +166,15 @@ class MeshTarget:
         """Ranges (N,), m, and cosines of rays on the planes of triangles, in double precision."""
         a, b, c = np.asarray(self.vertices, float)[corners].swapaxes(0, 1)
         normal = np.cross(b - a, c - a)
-        with np.errstate(divide="ignore", invalid="ignore"):
+        with np.errstate(all="ignore"):
             along = np.vecdot(rays, normal)
-            cosine = np.abs(along) / np.linalg.norm(normal, axis=-1)
+            cosine = abs(along) / norm(normal, axis=-1)
             return np.vecdot(a, normal) / along, np.nan_to_num(cosine)
 
     def is_hidden(self, points: Array, eye: ArrayLike) -> Flags:
         """Whether something stands between points (..., 3) of the surface and an eye (3,), m."""
         way = np.subtract(points.reshape(-1, 3), eye)
-        far = np.linalg.norm(way, axis=-1)
+        far = norm(way, axis=-1)
         rays = (way / far[:, None]).astype(np.float32)
         reach = (far - SURFACE).astype(np.float32)
         found = self._tracer.is_blocked(np.full_like(rays, eye), rays, reach)
@@ -200,7 +188,7 @@ def _object(name: str) -> MeshTarget:
 
 
 # Targets by the ``kind`` of a rig file's ``twin.scene``; the other keys are their arguments
-KINDS: Fields = {
+KINDS = {
     "plane": Plane,
     "mirror": partial(Plane, mirrored=1.0),
     "object": _object,
@@ -215,9 +203,9 @@ def scene_from(source: Any) -> Target | None:
         source = load_frame(source)
     if isinstance(source, Frame):
         return FrameTarget(source)
-    options = dict(source) if isinstance(source, Mapping) else {}
     try:
-        return KINDS[options.pop("kind", None)](**options)
+        options = {**source}
+        return KINDS[options.pop("kind")](**options)
     except (KeyError, TypeError):
         what = f"twin.scene to be a name, or a kind out of {', '.join(KINDS)} with its keys"
         raise ValueError(f"Expected {what}, got {source!r}. Correct it.") from None
