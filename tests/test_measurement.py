@@ -277,3 +277,32 @@ def test_nothing_half_written_is_left(tmp_path):
     with raises(Exception):  # noqa: B017 - whatever the writer raises
         save_dataset(broken, tmp_path / "m.nc")
     assert not list(tmp_path.iterdir())
+
+
+def with_stray_light(scene, psi):
+    """Correlations of a scene, of a share of its light, and of light that comes straight back."""
+    known = correlation_from_phase(np.ones((5, 6)), psi, amplitude=600, offset=1000)
+    stray = correlation_from_phase(np.full((5, 6), 2.5), psi, amplitude=30, offset=400)
+    seen = scene * known + stray
+    return made(correlation=np.stack([seen, seen]), psi=psi)
+
+
+def test_stray_light_is_taken_away_at_any_psi():
+    """Phase, amplitude and offset are those of the scene alone."""
+    covered = with_stray_light(0, PSI + 0.3)
+    found = with_stray_light(1, PSI).without_stray_light(covered).decoded
+    for image, value in zip(found, (1, 600, 1000), strict=True):
+        assert_allclose(image, value, rtol=1e-6)
+
+
+@mark.parametrize(
+    "covered",
+    [
+        Measurement.from_phase(np.ones((2, 5, 6)), FREQUENCIES),
+        made(frequencies=(7e9, 14e9 + 1e7)),
+    ],
+    ids=["phases", "other frequencies"],
+)
+def test_stray_light_is_measured_as_the_scene_is(covered):
+    with raises(ValueError, match="Expected correlations at the same frequencies"):
+        made().without_stray_light(covered)

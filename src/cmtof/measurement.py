@@ -142,6 +142,29 @@ class Measurement:
         limits = {"range_min": float(range_min), "range_max": float(range_max)}
         return Measurement(self.dataset.assign_attrs(limits))
 
+    def without_stray_light(self, covered: "Measurement") -> "Measurement":
+        """The same measurement without light that never reached the scene, but came straight back.
+
+        It is the mean of ``covered``, at any psi: measured by the same instrument with a covered
+        beam. A ValueError says if one of both has no correlations, or they differ in frequency.
+        """
+        both = (self.dataset, covered.dataset)
+        if not all("correlation" in data for data in both) or not np.array_equal(
+            self.frequencies, covered.frequencies
+        ):
+            raise ValueError(
+                "Expected correlations at the same frequencies with and without a covered beam, "
+                "got others. Scan the covered beam with the settings of the scene."
+            )
+        _, amplitude, offset = covered.decoded
+        phasor = amplitude * np.exp(1j * covered.phase)
+        mean, stray = np.nanmean([offset, phasor], axis=(2, 3))[..., None]
+        psi = self.dataset["psi"]
+        light = (mean + stray * np.exp(1j * psi)).real
+        return Measurement(
+            self.dataset.assign(correlation=self.dataset["correlation"] - light)
+        )
+
     def _image(self, name: str) -> NDArray | None:
         return self.dataset[name].to_numpy() if name in self.dataset else None
 

@@ -33,7 +33,7 @@ from cmtof_lab.objects import FIELD_OF_VIEW, TRAINING, still_life
 from cmtof_lab.optics import directions_from_angles
 from cmtof_lab.rehearsal import scan_scene
 from cmtof_lab.settings import NOISE, TwinSettings
-from cmtof_lab.targets import MeshTarget, Target, scene_from
+from cmtof_lab.targets import MeshTarget, Plane, Target, scene_from
 
 # Options by row of a table, whose name is the method unless they say another.
 Rows = dict[str, Values]
@@ -55,6 +55,8 @@ ENDS = wrap_length(FREQUENCIES[0]) * np.array(
 )  # range of the released protocol, m
 
 SIZE = 200
+COVERED = 20  # side, points, of a scan of stray light, whose beam a black cap covers
+CAP = Plane(0.1, reflectance=0.0)
 SEEDS = (0, 1, 2)
 METHODS = (
     "kde",
@@ -65,6 +67,8 @@ METHODS = (
     "surfaces-mirrored",
     "fast-scnn",
 )
+# Methods that are counted at the photon limit with stray light, too
+STRAY = ("kde", "surfaces")
 # A reference, which knows the shape of every surface and which of them touch.
 TOLD = ("reference-contact",)
 
@@ -120,15 +124,19 @@ def scan_object(
 
 
 def scan_target(
-    target: Target, noise: Noise, *, size: int = SIZE, **view: Any
+    target: Target, noise: Noise, *, size: int = SIZE, stray=False, **view: Any
 ) -> Measurement:
     """Scan of a target, its ranges optical, among the wraps 36 to 56 of the released protocol.
 
-    The zero of the beat is that of a short scan at the photon limit.
+    The zero of the beat is that of a short scan at the photon limit. Without ``stray`` light: what
+    comes back while a cap covers the beam is taken away.
     """
     quiet = TwinSettings()
     noisy = replace(quiet, **noise_settings(noise))
     scan = scan_scene(noisy, target, size=size, **view)
+    if not stray:
+        covered = scan_scene(noisy, CAP, size=COVERED, **view)
+        scan = scan.without_stray_light(covered)
     data = scan.dataset
     if noise != "photon":
         short = scan_scene(quiet, target, size=1, **view)
@@ -196,11 +204,12 @@ def load_or_make(name: str, made: Callable[[], Measurement]) -> Measurement:
     return cmtof.open(path)
 
 
-def kept_scan(name: str, noise: Noise, seed: int = 0) -> Measurement:
-    """Scan of an object as `scan_object` makes it."""
-    return load_or_make(
-        f"{name}_{noise}_{seed}", partial(scan_object, name, noise, seed=seed)
-    )
+def kept_scan(
+    name: str, noise: Noise, seed: int = 0, *, kind: str = "scan", **options: Any
+) -> Measurement:
+    """Scan of an object as `scan_object` makes it, its options of one kind."""
+    made = partial(scan_object, name, noise, seed=seed, **options)
+    return load_or_make(f"{kind}_{name}_{noise}_{seed}", made)
 
 
 def example(number: int, group: int = 0) -> tuple[Measurement, Numbers, Array]:
@@ -298,15 +307,16 @@ def wraps_off(scans: Iterable[Measurement], row: str, options: Values) -> list:
     ]
 
 
-def scan_for_method(method: str, name: str, noise: Noise, seed: int) -> Measurement:
-    """Scan as a method reads it: four phases for `rapid`, two close frequencies for `phasor`."""
+def scan_for_row(row: str, name: str, noise: Noise, seed: int) -> Measurement:
+    """Scan as a row reads it: four phases for `rapid`, two close frequencies for `phasor`."""
+    if row.startswith("stray"):
+        return kept_scan(name, noise, seed, kind="stray", stray=True)
     scan = kept_scan(name, noise, seed)
-    if method == "rapid":
+    if row == "rapid":
         return four_phases(scan)
-    if method == "phasor":
-        seen = {"seed": seed + 100, "frequency_single": 7.16e9}
-        other = partial(scan_object, name, noise, **seen)
-        return close_pair(scan, load_or_make(f"{name}_{noise}_{seed}_close", other))
+    if row == "phasor":
+        close = {"kind": "close", "frequency_single": 7.16e9}
+        return close_pair(scan, kept_scan(name, noise, seed + 100, **close))
     return scan
 
 
@@ -321,7 +331,7 @@ def validation_rates(legs: int) -> list[float]:
 def compare(counts: Counts, noise: str, rows: Rows) -> None:
     """Count rows of methods on three scans of each of the shown scenes."""
     for (row, options), name in product(rows.items(), SHOWN):
-        given = (scan_for_method(row, name, noise, seed) for seed in SEEDS)
+        given = (scan_for_row(row, name, noise, seed) for seed in SEEDS)
         of = partial(wraps_off, given, row, options)
         counts.keep("counts", noise, row, name, of=of)
 
@@ -361,7 +371,8 @@ def main() -> None:
     rows: Rows = {name: {} for name in (*METHODS, *TOLD) if name != "phasor"}
     for row, method in TUNED_ROWS.items():
         rows[row] = {"method": method, "weights": best}
-    compare(counts, "photon", rows)
+    stray: Rows = {f"stray {method}": {"method": method} for method in STRAY}
+    compare(counts, "photon", rows | stray)
     sweep(counts, {NETWORK: {"weights": best}, "kde": {}, "reference-contact": {}})
     rows["phasor"] = {}
     for n in CURVE:

@@ -15,6 +15,7 @@ from numpy.testing import assert_allclose
 from pytest import approx, mark
 
 from cmtof.surfaces import placing
+from cmtof.surfaces.beats import pooled_beats
 from cmtof.surfaces.blocks import region_of_boxes
 from cmtof.surfaces.field import CELL
 from cmtof.surfaces.fitting import change_by_a_wrap, move_surface
@@ -32,7 +33,7 @@ def a_fit(offset, known, missed=0.0):
 
 def beats_of(field, q):
     depth = placing.depth_of_labels(field, INNER, q[None])
-    return placing.pooled_beats(field, cells_of_surfaces(field, INNER, depth, 1))
+    return pooled_beats(field, cells_of_surfaces(field, INNER, depth, 1))
 
 
 def beat_noise(information):
@@ -56,6 +57,17 @@ def test_pooled_beats_scatter_as_the_sum_of_their_phasors():
     # turning cells back by their own phasors takes some of the noise along
     assert predicted == approx(beat_noise(10.0), rel=0.05)
     assert coherence.min() > 0.95
+
+
+def test_pixels_with_the_beat_of_another_surface_hardly_count(rng):
+    """One in ten is mixed with a wall 14 wraps behind; together they would move it by 1.4."""
+    depth, _ = plane_depth()
+    field = exact_field(depth, information=5000.0, noise_of=rng)
+    mixed = rng.random(SHAPE) < 0.1
+    field.phasor[1, mixed] *= np.exp(2j * np.pi * EXCESS * 14)
+    cells = cells_of_surfaces(field, INNER, depth, 1, side=1)
+    beat, noise, _ = pooled_beats(field, cells)
+    assert abs(beat) < 0.3 and noise < 0.05
 
 
 @mark.parametrize(("information", "side", "share"), [(10, CELL, 0), (100, 1, 1)])

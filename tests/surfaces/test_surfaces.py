@@ -1,7 +1,15 @@
 """The whole method: exact without noise, far ahead with it, unmoved by what must not matter."""
 
 import numpy as np
-from exact_scenes import CAMERA, SHAPE, WRAP, corner_scene, plane_depth, plane_frame
+from exact_scenes import (
+    CAMERA,
+    SHAPE,
+    WRAP,
+    corner_scene,
+    exact_field,
+    plane_depth,
+    plane_frame,
+)
 from pytest import approx, fixture, mark
 from scores import scores
 
@@ -13,6 +21,7 @@ from cmtof.simulation import simulate
 from cmtof.surfaces import stages, surfaces_mirrored
 from cmtof.surfaces.method import STEPS
 from cmtof.surfaces.mirrored import mirror_image
+from cmtof.surfaces.votes import depth_by_votes, slopes_of_surfaces
 
 
 def unwrapped(measurement):
@@ -160,6 +169,19 @@ def test_clear_pixels_vote_where_no_surface_explains_them(rng):
     depth = np.kron(rng.uniform(0.8, 1.1, (16, 20)), np.ones((4, 4)))
     frame = Frame(depth, np.ones(depth.shape))
     assert right(simulate(frame, noise_free=True)) > 0.9
+
+
+def test_neighbours_vote_along_the_slope_of_their_surface():
+    """A plane that falls by 0.6 wraps a pixel, beside pixels that no surface explains."""
+    depth, _ = plane_depth((-0.7, 0, 1))
+    field = exact_field(depth, information=5000.0)
+    assert np.median(np.diff(depth)) == approx(0.6 * WRAP, rel=0.1)
+    explained = np.broadcast_to(np.arange(SHAPE[1]) % 8 < 4, SHAPE)
+    astray = np.where(explained, depth, depth - WRAP)
+    slopes = slopes_of_surfaces(depth / WRAP, np.zeros(SHAPE, int))
+    found, share = depth_by_votes(field, astray, slopes, explained, 0.0)
+    assert share[~explained].all()
+    assert (np.abs(found - depth)[~explained] < WRAP / 2).all()
 
 
 def test_images_whose_surfaces_lie_outside_the_mask_are_unwrapped():

@@ -13,19 +13,24 @@ from functools import partial
 from typing import NamedTuple
 
 import numpy as np
-from scipy.ndimage import distance_transform_edt, median, uniform_filter
+from scipy.ndimage import distance_transform_edt, median
 
 from cmtof.classical.beat import beat, synthetic_frequency
 from cmtof.classical.region import nearest_pixel
-from cmtof.compiled import njit
-from cmtof.correlation import TAU
 from cmtof.estimate import Components, Estimate, within_range
 from cmtof.measurement import Measurement
 from cmtof.surfaces import contacts, placing
+from cmtof.surfaces.beats import pooled_beats
 from cmtof.surfaces.field import Field, field_from_measurement, pixels_of_cells
 from cmtof.surfaces.growing import GAIN, ROUGHEST, fit_surfaces, grown_surfaces
 from cmtof.surfaces.roughness import Cells, cells_of_surfaces, departure, turn_back
-from cmtof.types import Array, Arrays, Flags, Numbers
+from cmtof.surfaces.votes import (
+    DOUBT,
+    depth_by_votes,
+    doubt_of_beats,
+    slopes_of_surfaces,
+)
+from cmtof.types import Array, Flags, Numbers
 
 STEPS = (
     "bent",
@@ -51,16 +56,6 @@ VOTING = ((0.0, 0.65, 0.95, 0.995, 1.0), (0.05, 0.33, 0.42, 0.55, 0.81))
 
 _STEPS = np.int64(6)  # of the last fit,
 _CELLS = np.int64(400)  # and cells of a surface that it looks at
-DOUBT = 4.0  # deviation, wraps, of a single pixel's beat up to which it may vote and be voted on
-_RADIUS = 5  # of the neighbourhood of a vote, px; its Gaussian has half of that
-_GAUSS = np.exp(-((np.arange(-_RADIUS, _RADIUS + 1) / (_RADIUS / 2)) ** 2) / 2)
-_KERNEL = 0.25  # distance, wraps, within which two depths mean the same
-_CAP = 4.0  # largest cost of a neighbour that disagrees, as a log-likelihood
-_ASTRAY = 0.3  # distance, rad, of a phase from its surface's beyond which the pixel lies off it
-_SQUARE = 5  # side, px, of a square,
-_MOST = 0.7  # and the share of it that has to lie on surfaces
-_ENOUGH = 3.0  # votes that decide; a pixel alone has one
-_FARTHEST = 8  # wraps from a pixel's own beat up to which neighbours may outvote it
 
 
 # Log-odds of offsets, from depth (H, W) and surface (H, W) before any, and offsets (N, M).
@@ -140,13 +135,14 @@ def stages(
     ).calibrate(CALIBRATION)
     # where there is no surface, the number -1 stands for the last entry
     depth = depth + field.period * np.append(joined.wraps, 0)[everywhere]
+    slopes = slopes_of_surfaces(depth / field.period, everywhere)
     depth = _add_departures(field, depth, np.append(cells.rough, 0)[grown.label])
     _fill(
         depth[inside],
         (grown.distance[inside] > REACH) & ("fill" not in without),
         measurement,
     )
-    elected, votes = depth_by_votes(field, depth, grown.label >= 0, alone.closure)
+    depth, votes = depth_by_votes(field, depth, slopes, grown.label >= 0, alone.closure)
     masked[votes[inside] > 0] = -1
     return Stages(
         field,
@@ -156,7 +152,7 @@ def stages(
         alone,
         touching,
         joined,
-        np.where(votes > 0, elected, depth),
+        depth,
         _confidence(field, np.append(joined.odds, 0)[everywhere], grown, votes),
         contacts.components(joined, touching, masked),
     )
@@ -210,7 +206,7 @@ def _own_offsets(
 ) -> placing.Offsets:
     """Offsets of surfaces by their own beat and shape, and by the axes of a room."""
     shape = "shape" not in without
-    beats = placing.pooled_beats(field, cells)
+    beats = pooled_beats(field, cells)
     found = placing.offsets(
         beats, grown.surfaces, grown.fit, shape=shape, closed="closure" in without
     )
@@ -253,104 +249,3 @@ def _limits(field: Field, depth: Array, label: Numbers, count: int) -> Array:
         middle = median(depth[known], label[known], there)
         limits[:, there] = (np.array(field.limits)[:, None] - middle) / field.period
     return limits
-
-
-class Ballot(NamedTuple):
-    """Evidence of pixels about each other, (H, W) each; wraps of the lower frequency."""
-
-    asked: Flags  # whether a pixel is voted on, and votes
-    low: Array  # phase, turns
-    high: Array  # and that of the higher frequency, without the closure
-    sharp: Array  # cost of a beat that misses by a turn
-    place: Array  # depth of pixels that a surface explains, NaN for others
-
-
-def depth_by_votes(
-    field: Field, depth: Array, explained: Flags, closure: float
-) -> Arrays:
-    """Depth (H, W), m, by votes of and for clear pixels that no surface explains, and their share.
-
-    A neighbour costs its distance and its beat's misfit, squared over their variances, up to a cap,
-    or where ``explained`` by a surface of that ``depth``, not contradicting it, the first alone.
-    """
-    doubt = doubt_of_beats(field)
-    clear = doubt < DOUBT
-    # pixels among those whose phases are not those of their surface vote again
-    close = np.abs(np.angle(turn_back(field, depth))).max(axis=0) < _ASTRAY
-    close = uniform_filter((explained & close).astype(float), _SQUARE)
-    explained = explained & (~clear | (close >= _MOST))
-    asked = ~explained & clear
-    if not asked.any():
-        return np.full(depth.shape, np.nan), np.zeros(depth.shape)
-    step = abs(field.excess)  # of the misfit from wrap to wrap, turns
-    low, high = np.angle(field.phasor).astype(float) / TAU
-    # a quarter of it at least: without noise all other wraps would be ruled out
-    spread = np.maximum(np.where(np.isfinite(doubt), doubt, 1.0), 0.25) * (TAU * step)
-    ballot = Ballot(
-        asked,
-        np.mod(low, 1),
-        high - field.excess * closure,
-        TAU**2 / (2 * spread**2),
-        np.where(explained, depth / field.period, np.nan),
-    )
-    place, share = _winning_depth(
-        ballot, field.ratio, _FARTHEST * step, np.array(field.limits) / field.period
-    )
-    return place * field.period, share
-
-
-def doubt_of_beats(field: Field) -> Array:
-    """Deviation (H, W), wraps, of the beat of each pixel; infinite in the dark."""
-    with np.errstate(divide="ignore"):
-        variance = 1 / np.maximum(field.information, 0).astype(float)
-    return np.sqrt(variance[1] + field.ratio**2 * variance[0]) / (
-        TAU * abs(field.excess)
-    )
-
-
-@njit()
-def _winning_depth(ballot, ratio, far, limits):  # pragma: no cover - compiled
-    """Depth (H, W), wraps, that wins the vote on each pixel, NaN where none does, and its share."""
-    out = np.full(ballot.low.shape, np.nan)
-    share = np.zeros(ballot.low.shape)
-    votes = np.empty(4 * _FARTHEST)
-    depths = np.empty(4 * _FARTHEST)
-    for y, x in np.argwhere(ballot.asked):
-        own = ballot.low[y, x]
-        count = 0
-        for n in range(int(np.ceil(limits[0] - own)), int(np.ceil(limits[1] - own))):
-            left = ballot.high[y, x] - ratio * (own + n)
-            if abs(left - np.rint(left)) <= far and count < votes.size:
-                depths[count] = own + n
-                votes[count] = _support(ballot, ratio, y, x, own + n)
-                count += 1
-        best = int(np.argmax(votes[:count])) if count > 0 else 0
-        if count > 0 and votes[best] > _ENOUGH * _CAP:
-            out[y, x] = depths[best]
-            share[y, x] = 1 / np.sum(np.exp(votes[:count] - votes[best]))
-    return out, share
-
-
-@njit()
-def _support(ballot, ratio, y, x, z):  # pragma: no cover - compiled
-    """Votes of the neighbours of a pixel for a depth, wraps."""
-    height, width = ballot.low.shape
-    total = 0.0
-    for v in range(max(0, y - _RADIUS), min(height, y + _RADIUS + 1)):
-        for u in range(max(0, x - _RADIUS), min(width, x + _RADIUS + 1)):
-            if np.isfinite(ballot.place[v, u]):
-                away = ballot.place[v, u] - z
-                cost = away * away / (2 * _KERNEL**2)
-            elif ballot.asked[v, u]:
-                there = ballot.low[v, u]
-                there = there + np.rint(z - there)
-                away = there - z
-                left = ballot.high[v, u] - ratio * there
-                left -= np.rint(left)
-                cost = away * away / (2 * _KERNEL**2)
-                cost += ballot.sharp[v, u] * left * left
-            else:
-                continue
-            weight = _GAUSS[v - y + _RADIUS] * _GAUSS[u - x + _RADIUS]
-            total += weight * max(_CAP - cost, 0.0)
-    return total

@@ -1,7 +1,7 @@
 """From surfaces to depths: which one each pixel lies on, and how many whole wraps it is off.
 
-The pooled higher phase lags behind the lower one by ``2 pi m (k_2 / k_1 - 2)`` after m wraps: the
-beat. A plane moved along the rays is bent, the more so the wider it is: the shape.
+The beat says it (`cmtof.surfaces.beats`), and so does the shape: a plane moved along the rays is
+bent, the more so the wider it is.
 """
 
 from functools import partial
@@ -12,19 +12,11 @@ from scipy.ndimage import maximum_filter, minimum_filter, uniform_filter
 
 from cmtof.compiled import njit
 from cmtof.correlation import TAU
+from cmtof.surfaces.beats import Beats, lags_of_cells
 from cmtof.surfaces.blocks import pixel_likelihood
-from cmtof.surfaces.field import CELL, ENOUGH, Field
+from cmtof.surfaces.field import CELL, Field
 from cmtof.surfaces.growing import owners_around
-from cmtof.surfaces.roughness import (
-    Cells,
-    cells_of_surfaces,
-    departure,
-    pooled_phasors,
-    sum_cells,
-    sum_nearby,
-    sum_surfaces,
-    turn_both_back,
-)
+from cmtof.surfaces.roughness import cells_of_surfaces, sum_nearby, sum_surfaces
 from cmtof.surfaces.shapes import depth_of_labels
 from cmtof.types import Array, Arrays, Flags, Numbers
 
@@ -45,7 +37,6 @@ _FLOOR = (
 )  # least uncertainty, wraps, of an offset by the shape and by the beat
 # wraps of uncertainty of a beat per share of coherence that its surface lacks
 _BENT = 1.5
-_AGAIN = 2  # times that beats of rough surfaces are pooled again
 _CUT = 20.0  # least gain, as a log-likelihood, of a part,
 _EDGE = 0.12  # also per cell of its border
 _PART = 6  # least size, cells, of a part
@@ -56,10 +47,6 @@ _UPRIGHT = 5.0  # its least likelihood, 1 / rad
 _CLEAR = 1e-2  # uncertainty, rad, of normals that vote,
 _SHARP = 1.5e-3  # and of those elected
 _FARTHEST = 10.0  # offset, wraps, up to which a plane turns in proportion
-
-
-Beats = tuple[Array, Array, Array]
-"""Offset by the beat of each surface (N,), wraps, its noise, and the coherence it rests on."""
 
 
 class Offsets(NamedTuple):
@@ -268,68 +255,6 @@ def _use_right_angles(
     return mean - gain * off, np.maximum(variance * (1 - gain * slope), least)
 
 
-def pooled_beats(field: Field, cells: Cells) -> Beats:
-    """Offset by the beat of each surface (N,), wraps, its noise, and the coherence it rests on.
-
-    Pixels of rough surfaces are turned back by their own departure, which takes a part of the
-    offset along: it is pooled again without the offset that was found.
-    """
-    turn = -1j * TAU * field.excess
-    beat, noise, coherence = _beats(field, cells)
-    for _ in range(_AGAIN if cells.rough.any() else 0):
-        turned = cells.turned.copy()
-        turned[1] *= np.exp(turn * np.append(beat, 0)[cells.label])
-        sums = sum_cells(turned, cells.side)
-        left, noise, coherence = _beats(field, cells._replace(turned=turned, sums=sums))
-        beat = beat + left
-    return beat, noise, coherence
-
-
-def _beats(field: Field, cells: Cells) -> Beats:
-    """One pass of `pooled_beats`."""
-    multiple = field.multiple
-    turned = _cell_phasors(field, cells)
-    total, most = pooled_phasors(
-        cells.main, turned, cells.information, cells.rough.size
-    )
-    length = np.maximum(np.abs(total), 1e-9)
-    wrap = TAU * field.excess
-    low, high = total
-    unit = low / length[0]
-    beat = np.angle(high * np.conj(unit) ** multiple) / wrap
-    variance = most / length**2
-    noise = np.sqrt(variance[1] + multiple**2 * variance[0]) / abs(wrap)
-    return beat, noise, (length / most).min(axis=0)
-
-
-def _cell_phasors(field: Field, cells: Cells) -> Array:
-    """Phasors (2, h, w) of cells without what moves both alike."""
-    sums = cells.sums
-    multiple = field.multiple
-    if cells.rough.any():  # pixels are turned back by their own departure first
-        rough = np.append(cells.rough, 0)[cells.label]
-        off = departure(field, cells.turned, rough)
-        turned = turn_both_back(field, cells.turned, off)
-        sums = sum_cells(turned, cells.side)
-    near = _with_neighbours(cells, sums) if cells.side > 1 else sums
-    low = np.angle(near[0])
-    high = np.angle(turn_both_back(field, near, low)[1])
-    lower, higher = np.abs(near)
-    pull = higher * multiple * high / (lower + multiple**2 * higher + 1e-9)
-    return turn_both_back(field, sums, low + pull)
-
-
-def _with_neighbours(cells: Cells, sums: Array) -> Array:
-    """Phasors (2, h, w) of cells, with those of neighbours where one knows too little."""
-    both = np.concatenate([sums, cells.information])
-    found = both
-    for radius in (1, 2, 4):  # six functions miss what these turn back
-        information = found[2:].real.sum(axis=0)  # pyright: ignore[reportAttributeAccessIssue]
-        wider = sum_nearby(both, cells.main, radius)
-        found = np.where(information < ENOUGH, wider, found)
-    return found[:2]
-
-
 def cut_surfaces(
     field: Field, inner: Numbers, surfaces: Array
 ) -> tuple[Numbers, Array]:
@@ -341,7 +266,7 @@ def cut_surfaces(
     cells = cells_of_surfaces(
         field, inner, depth_of_labels(field, inner, surfaces), len(surfaces)
     )
-    lags = _lags(field, cells)
+    lags = lags_of_cells(field, cells)
     main = cells.main
     for _ in range(_CUTS):
         count = len(surfaces)
@@ -356,17 +281,6 @@ def cut_surfaces(
         main = np.where(ahead & good[main], new[main], main)
         surfaces = np.concatenate([surfaces, surfaces[good[:count]]])
     return main, surfaces
-
-
-def _lags(field: Field, cells: Cells) -> Arrays:
-    """Lag of the beat of each cell (h, w), wraps, and its inverse variance."""
-    wrap = TAU * field.excess
-    ratio = field.multiple
-    low, high = _cell_phasors(field, cells).imag / np.maximum(cells.information, 1e-6)
-    lag = (high - ratio * low) / wrap
-    lower, higher = cells.information
-    both = np.maximum(lower + ratio**2 * higher, 1e-9)
-    return lag, wrap**2 * lower * higher / both
 
 
 def _halves(

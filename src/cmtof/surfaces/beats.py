@@ -1,0 +1,107 @@
+"""Pooled beats: how many whole wraps each surface is off.
+
+The pooled higher phase lags behind the lower one by ``2 pi m (k_2 / k_1 - 2)`` after m wraps.
+Where a spot crosses an outline, a pixel has the beat of neither surface, and lies wraps away from
+both. It hardly counts, as far as it is clear enough to be told from the others.
+"""
+
+import numpy as np
+
+from cmtof.correlation import TAU, centred
+from cmtof.surfaces.field import ENOUGH, Field
+from cmtof.surfaces.roughness import (
+    Cells,
+    departure,
+    pooled_phasors,
+    sum_cells,
+    sum_nearby,
+    turn_both_back,
+)
+from cmtof.types import Array, Arrays
+
+_AGAIN = 2  # times that beats of rough surfaces are pooled again
+_PASSES = 4  # over the cells of a surface, each with new weights
+_CREDIBLE = 3.0  # deviations from these beyond which a cell counts less
+
+Beats = tuple[Array, Array, Array]
+"""Offset by the beat of each surface (N,), wraps, its noise, and the coherence it rests on."""
+
+
+def pooled_beats(field: Field, cells: Cells) -> Beats:
+    """Offset by the beat of each surface (N,), wraps, its noise, and the coherence it rests on.
+
+    Pixels of rough surfaces are turned back by their own departure, which takes a part of the
+    offset along: it is pooled again without the offset that was found.
+    """
+    turn = -1j * TAU * field.excess
+    beat, noise, coherence = _beats(field, cells)
+    for _ in range(_AGAIN if cells.rough.any() else 0):
+        turned = cells.turned.copy()
+        turned[1] *= np.exp(turn * np.append(beat, 0)[cells.label])
+        sums = sum_cells(turned, cells.side)
+        left, noise, coherence = _beats(field, cells._replace(turned=turned, sums=sums))
+        beat = beat + left
+    return beat, noise, coherence
+
+
+def _beats(field: Field, cells: Cells) -> Beats:
+    """One pass of `pooled_beats`."""
+    turned = _cell_phasors(field, cells)
+    lag, known = _lags(field, turned, cells.information)
+    weight = 1.0
+    for _ in range(_PASSES):
+        total, most = pooled_phasors(
+            cells.main, weight * turned, weight * cells.information, cells.rough.size
+        )
+        low, high = np.angle(total)
+        beat = centred(high - field.multiple * low) / (TAU * field.excess)
+        off = lag - np.append(beat, 0)[cells.main]
+        weight = _CREDIBLE**2 / np.maximum(known * off**2, _CREDIBLE**2)
+    coherence = np.maximum(np.abs(total), 1e-9) / most
+    low, high = 1 / (most * coherence**2)
+    noise = np.sqrt(high + field.multiple**2 * low) / abs(TAU * field.excess)
+    return beat, noise, coherence.min(axis=0)
+
+
+def lags_of_cells(field: Field, cells: Cells) -> Arrays:
+    """Lag of the beat of each cell (h, w), wraps, and its inverse variance."""
+    return _lags(field, _cell_phasors(field, cells), cells.information)
+
+
+def _lags(field: Field, turned: Array, information: Array) -> Arrays:
+    """Lag of the beat of phasors (2, h, w), wraps, and its inverse variance."""
+    wrap = TAU * field.excess
+    ratio = field.multiple
+    low, high = turned.imag / np.maximum(information, 1e-6)
+    lag = (high - ratio * low) / wrap
+    lower, higher = information
+    both = np.maximum(lower + ratio**2 * higher, 1e-9)
+    return lag, wrap**2 * lower * higher / both
+
+
+def _cell_phasors(field: Field, cells: Cells) -> Array:
+    """Phasors (2, h, w) of cells without what moves both alike."""
+    sums = cells.sums
+    multiple = field.multiple
+    if cells.rough.any():  # pixels are turned back by their own departure first
+        rough = np.append(cells.rough, 0)[cells.label]
+        off = departure(field, cells.turned, rough)
+        turned = turn_both_back(field, cells.turned, off)
+        sums = sum_cells(turned, cells.side)
+    near = _with_neighbours(cells, sums) if cells.side > 1 else sums
+    low = np.angle(near[0])
+    high = np.angle(turn_both_back(field, near, low)[1])
+    lower, higher = np.abs(near)
+    pull = higher * multiple * high / (lower + multiple**2 * higher + 1e-9)
+    return turn_both_back(field, sums, low + pull)
+
+
+def _with_neighbours(cells: Cells, sums: Array) -> Array:
+    """Phasors (2, h, w) of cells, with those of neighbours where one knows too little."""
+    both = np.concatenate([sums, cells.information])
+    found = both
+    for radius in (1, 2, 4):  # six functions miss what these turn back
+        information = found[2:].real.sum(axis=0)  # pyright: ignore[reportAttributeAccessIssue]
+        wider = sum_nearby(both, cells.main, radius)
+        found = np.where(information < ENOUGH, wider, found)
+    return found[:2]
