@@ -149,18 +149,20 @@ views.show_scene("scene_room", title="the room")
 #    that are whole wraps apart, as a curtain before a wall, have the same phases and grow as one;
 #    such a surface is split where the beat of its cells steps.
 # 4. **Offsets.** Every surface is fitted to its interior; the beat and the shape give its whole
-#    wraps, with an uncertainty. Where walls are uneven, shape says little. A surface too faint to
-#    show its own unevenness is taken to be as uneven as the others. Planes aligned with the axes of
-#    the room reduce the uncertainty. A phase offset between the frequencies moves all beats and no
-#    shape; where the planes of a frame together show one by more than 2.5 standard deviations, it
-#    is subtracted ([chapter 12](12_robustness.ipynb)).
+#    wraps, with an uncertainty. Pixels across an outline have the beat of neither side; where they
+#    are more than three deviations off, they hardly count. Where walls are uneven, shape says
+#    little. A surface too faint to show its own unevenness is taken to be as uneven as the others.
+#    Planes aligned with the axes of the room reduce the uncertainty. A phase offset between the
+#    frequencies moves all beats and no shape; where the planes of a frame together show one by more
+#    than 2.5 standard deviations, it is subtracted ([chapter 12](12_robustness.ipynb)).
 # 5. **Ties.** Along each border two surfaces either meet, so that they differ by the same whole
 #    wraps all along it, or one occludes the other. Belief propagation passes the probabilities of
 #    offsets from surface to surface, so that a false contact is outvoted by those that agree. A
 #    step that the beats of both sides forbid is no contact: a wall behind leaves stays where it is.
 # 6. **The rest** takes the nearest surface within 4 px, or else the beat of its surroundings.
 # 7. **Votes.** An unexplained pixel follows its neighbours if its own beat is certain to 4 wraps,
-#    as for many pixels of a scan ([chapter 21](21_scanned_scenes.ipynb)).
+#    as for many pixels of a scan ([chapter 21](21_scanned_scenes.ipynb)). Each neighbour votes for
+#    the continuation of its own surface, for near an outline bodies fall away steeply.
 #
 # ## Additive likelihood
 #

@@ -267,7 +267,8 @@ plotting.save(
 # side of a slope. This is a real displacement, equal in both modes, so most of it cancels in the
 # beat. So do the mirrors' steps. Noise does not cancel; most of it comes from the doubled mode,
 # which has less contrast. Back-reflected light is a constant phasor that affects weak echoes most,
-# in each mode differently.
+# in each mode differently. A short scan with a covered beam measures it, and
+# `Measurement.without_stray_light` takes it away, as in [chapter 21](21_scanned_scenes.ipynb).
 
 # %% [markdown]
 # ## Unwrapping

@@ -52,6 +52,7 @@ SCENES = scanned.SHOWN
 legs = [100 * np.mean(one) for one in stored["validation"].values()]
 settings = stored["settings"]
 labelled = settings["labelled"]
+points_a_side = settings["size"]
 
 # %% [markdown]
 # ## Scans and methods
@@ -66,8 +67,8 @@ notes.say(
     ([chapter 15](15_scan.ipynb)).
     """,
     wraps=card.classes,
-    points=settings["size"],
-    pitch=1e3 * 0.9 * FIELD_OF_VIEW[teaser] / settings["size"],
+    points=points_a_side,
+    pitch=1e3 * 0.9 * FIELD_OF_VIEW[teaser] / points_a_side,
     foot=2e3 * (TwinSettings().exit_radius + TwinSettings().divergence * 0.9),
 )
 
@@ -76,7 +77,9 @@ notes.say(
 # and with the phase noise of the published captures added, of the same size and grain in radians,
 # in both modes ([chapter 7](07_captures.ipynb)). With that noise the zero of the beat would take
 # thousands of readings of the reference target, so that of a short scan at the photon limit is
-# used.
+# used. A little light comes straight back from a beam splitter, without having seen the scene: a
+# constant phasor, which turns the faint phases of dark bodies. It is measured by a short scan of a
+# covered beam, and taken away (`Measurement.without_stray_light`).
 
 # %% tags=["hide-input"]
 notes.say(
@@ -119,6 +122,7 @@ mean = {
     }
     for noise in NOISE
 }
+noisy = mean["captures"]
 
 
 def cell(rates):
@@ -150,14 +154,19 @@ notes.say(
     has {mirrored:.0f} %; together with `surfaces`, as `hybrid`, {hybrid:.0f} %.
     `surfaces-mirrored` is the vote of `surfaces` over four mirror images. `rapid`, the network of
     Zhang et al. (2019), reads four phases; the sixteen are decoded and put back into four. It is
-    not fine-tuned. `phasor` needs two close frequencies, and had a second scan at 7.16 GHz.
+    not fine-tuned. `phasor` needs two close frequencies, and had a second scan at 7.16 GHz. Stray
+    light that is not taken away costs more than photon noise does: with it KDE finds
+    {kde_stray:.0f} % at the photon limit, `surfaces` {surfaces_stray:.0f} %. A lab should cover its
+    beam for a few hundred points.
     """,
+    kde_stray=shares("photon", "stray kde").mean(),
+    surfaces_stray=shares("photon", "stray surfaces").mean(),
     kde=mean["photon"]["kde"],
-    kde_captures=mean["captures"]["kde"],
+    kde_captures=noisy["kde"],
     net=mean["photon"]["tuned"],
-    net_captures=mean["captures"]["tuned"],
-    mirrored=mean["captures"]["tuned mirrored"],
-    hybrid=mean["captures"]["tuned hybrid"],
+    net_captures=noisy["tuned"],
+    mirrored=noisy["tuned mirrored"],
+    hybrid=noisy["tuned hybrid"],
 )
 
 # %% tags=["hide-input"]
@@ -328,7 +337,7 @@ def swept(level, points, row):
     return (100 * counts[:, 1] / counts[:, 0]).mean()
 
 
-sides = [settings["size"] // stride for stride in scanned.STRIDES][::-1]
+sides = [points_a_side // stride for stride in scanned.STRIDES][::-1]
 LOOK = {
     "fast-scnn": ("fine-tuned", "-o"),
     "kde": ("KDE", ":s"),
@@ -363,7 +372,7 @@ plotting.save(
     caption="What right wraps need, simulated. (a) `fast-scnn` at the captures' noise by number "
     f"of labelled scans, {stored['legs'][0]['steps']} steps each; three scans of every scene. (b) "
     "At the captures' noise by the points in the scan; the network was fine-tuned at "
-    f"{settings['size']} points a side. (c) By the phase noise of a point, zero at "
+    f"{points_a_side} points a side. (c) By the phase noise of a point, zero at "
     "the photon limit; the paper does not state its own. (b, c) are means over bust and owl. "
     "The reference is given the shapes.",
     alt="Three plots of right wraps. With labelled scans they rise from "
@@ -550,9 +559,9 @@ notes.answer(
     fine-tuned on {labelled:.0f} labelled scans of other objects. `surfaces-mirrored`, this book's
     method and a vote over mirror images, finds {ours:.0f} %.
     """,
-    kde=mean["captures"]["kde"],
-    rooms=mean["captures"]["fast-scnn"],
-    net=mean["captures"]["tuned"],
+    kde=noisy["kde"],
+    rooms=noisy["fast-scnn"],
+    net=noisy["tuned"],
     labelled=labelled,
-    ours=mean["captures"]["surfaces-mirrored"],
+    ours=noisy["surfaces-mirrored"],
 )
