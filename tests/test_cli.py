@@ -32,6 +32,17 @@ def test_from_frame_to_depth_and_points(succeeds, tmp_path):
     assert sorted(p.name for p in tmp_path.iterdir()) == ["cloud.ply", "m.nc", "out.nc"]
 
 
+def test_light_of_a_covered_beam_is_taken_away(succeeds, measurement_file, tmp_path):
+    m = cmtof.open(measurement_file)
+    dim = Measurement(m.dataset.assign(correlation=m.dataset["correlation"] / 9))
+    covered, out = tmp_path / "covered.nc", tmp_path / "out.nc"
+    dim.save(covered)
+    succeeds("unwrap", measurement_file, "-o", out, "--covered", covered)
+    left = cmtof.unwrap(m.without_stray_light(dim))
+    xr.testing.assert_equal(xr.load_dataset(out), left)
+    assert not left.equals(cmtof.unwrap(m))
+
+
 def test_simulate_options_reach_the_file(succeeds, tmp_path, tilted_wall):
     tilted_wall.save(tmp_path / "wall.npz")
     m = tmp_path / "m.nc"

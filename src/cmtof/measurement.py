@@ -156,14 +156,12 @@ class Measurement:
                 "Expected correlations at the same frequencies with and without a covered beam, "
                 "got others. Scan the covered beam with the settings of the scene."
             )
-        _, amplitude, offset = covered.decoded
-        phasor = amplitude * np.exp(1j * covered.phase)
-        mean, stray = np.nanmean([offset, phasor], axis=(2, 3))[..., None]
-        psi = self.dataset["psi"]
-        light = (mean + stray * np.exp(1j * psi)).real
-        return Measurement(
-            self.dataset.assign(correlation=self.dataset["correlation"] - light)
-        )
+        phase, amplitude, offset = covered.decoded
+        images = [offset, amplitude * np.exp(1j * phase)]
+        mean, phasor = np.nanmean(images, axis=(2, 3))[..., None]
+        light = (mean + phasor * np.exp(1j * self.dataset["psi"])).real
+        left = self.dataset["correlation"] - light
+        return Measurement(self.dataset.assign(correlation=left))
 
     def _image(self, name: str) -> NDArray | None:
         return self.dataset[name].to_numpy() if name in self.dataset else None

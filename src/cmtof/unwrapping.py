@@ -33,13 +33,15 @@ def unwrap(
     method: str = DEFAULT,
     range: Pair | None = None,
     min_confidence: float = 0.0,
+    covered: Measurement | None = None,
     **options: Any,
 ) -> Dataset:
     """Wrap count, depth and confidence of a measurement, by a method out of `METHODS`.
 
     ``range`` holds the depths to choose from, ``min <= z < max``, m, by default the measurement's
-    own; pixels below ``min_confidence`` are masked; ``options`` are the method's, for instance
-    ``window=81`` of ``beat``. ValueError for an unknown method, a bad range or share, or a
+    own; pixels below ``min_confidence`` are masked; with a measurement of a ``covered`` beam stray
+    light is taken away before; ``options`` are the method's, for instance ``window=81`` of
+    ``beat``. ValueError for an unknown method, a bad range or share, or a
     measurement that the method cannot use.
 
     On (y, x) the result has ``wrap_count``, the estimate of ``floor(phi / 2 pi)`` at the lowest
@@ -63,6 +65,8 @@ def unwrap(
         raise ValueError(
             f"Expected min_confidence from 0 to 1, got {min_confidence}. Choose 0.5, say."
         )
+    if covered is not None:
+        measurement = measurement.without_stray_light(covered)
     if range is not None:
         measurement = _change_range(measurement, *range)
     estimate = chosen(measurement, **options)

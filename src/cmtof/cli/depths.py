@@ -36,6 +36,9 @@ def choice(
     min_confidence: Annotated[float, Option(help="Mask pixels below, 0 to 1.")] = 0.0,
     window: Annotated[int | None, Option(help="Side of window, px (beat).")] = None,
     weights: Annotated[File, Option(help="Own .safetensors (learned methods).")] = None,
+    covered: Annotated[
+        File, Option(help="Scan with a covered beam: its light is taken away.")
+    ] = None,
     tile: Annotated[int, Option(min=0, help="Side of tiles, px, of a large .nc.")] = 0,
 ) -> None:
     """Options of the unwrapping method, shared by commands through `group_options`."""
@@ -62,6 +65,8 @@ def unwrap(
 
     Example: [bold]cmtof unwrap m.nc -o out.nc --ply cloud.ply[/bold]
     """
+    from cmtof.measurement import open_measurement
+
     several = len(measurement) > 1
     targets = (
         [output / f"{path.stem}.nc" for path in measurement] if several else [output]
@@ -73,6 +78,8 @@ def unwrap(
             "Expected one file without tiles for --ply, got several or --tile. Leave --ply out."
         )
     options = {name: value for name, value in choice.items() if value is not None}
+    if choice["covered"]:
+        options["covered"] = open_measurement(choice["covered"])
     if several:
         output.mkdir(exist_ok=True)
     for target in targets:

@@ -70,13 +70,16 @@ def lags_of_cells(field: Field, cells: Cells) -> Arrays:
 
 def _lags(field: Field, turned: Array, information: Array) -> Arrays:
     """Lag of the beat of phasors (2, h, w), wraps, and its inverse variance."""
-    wrap = TAU * field.excess
-    ratio = field.multiple
     low, high = turned.imag / np.maximum(information, 1e-6)
-    lag = (high - ratio * low) / wrap
-    lower, higher = information
-    both = np.maximum(lower + ratio**2 * higher, 1e-9)
-    return lag, wrap**2 * lower * higher / both
+    lag = (high - field.multiple * low) / (TAU * field.excess)
+    return lag, information_of_beats(field, information)
+
+
+def information_of_beats(field: Field, information: Array) -> Array:
+    """Inverse variance (h, w), 1 / wraps^2, of beats by the information of both phases."""
+    lower, higher = information.astype(float)
+    both = np.maximum(lower + field.multiple**2 * higher, 1e-9)
+    return (TAU * field.excess) ** 2 * lower * higher / both
 
 
 def _cell_phasors(field: Field, cells: Cells) -> Array:

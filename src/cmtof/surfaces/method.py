@@ -20,16 +20,11 @@ from cmtof.classical.region import nearest_pixel
 from cmtof.estimate import Components, Estimate, within_range
 from cmtof.measurement import Measurement
 from cmtof.surfaces import contacts, placing
-from cmtof.surfaces.beats import pooled_beats
+from cmtof.surfaces.beats import information_of_beats, pooled_beats
 from cmtof.surfaces.field import Field, field_from_measurement, pixels_of_cells
 from cmtof.surfaces.growing import GAIN, ROUGHEST, fit_surfaces, grown_surfaces
 from cmtof.surfaces.roughness import Cells, cells_of_surfaces, departure, turn_back
-from cmtof.surfaces.votes import (
-    DOUBT,
-    depth_by_votes,
-    doubt_of_beats,
-    slopes_of_surfaces,
-)
+from cmtof.surfaces.votes import CLEAR, depth_by_votes, slopes_of_surfaces
 from cmtof.types import Array, Flags, Numbers
 
 STEPS = (
@@ -233,7 +228,8 @@ def _fill(depth: Array, far: Flags, measurement: Measurement) -> None:
 
 def _add_departures(field: Field, depth: Array, rough: Array) -> Array:
     """Depth (H, W), m, with the departure of each pixel of rough surfaces; clear ones vote."""
-    variance = np.where(doubt_of_beats(field) < DOUBT, 0, rough)
+    clear = information_of_beats(field, field.information) > CLEAR
+    variance = np.where(clear, 0, rough)
     if not variance.any():
         return depth
     phase = departure(field, turn_back(field, depth), variance)

@@ -11,11 +11,16 @@ from scipy.ndimage import uniform_filter
 
 from cmtof.compiled import njit
 from cmtof.correlation import TAU
+from cmtof.surfaces.beats import information_of_beats
 from cmtof.surfaces.field import Field
 from cmtof.surfaces.roughness import turn_back
 from cmtof.types import Array, Arrays, Flags, Numbers
 
-DOUBT = 4.0  # deviation, wraps, of a single pixel's beat up to which it may vote and be voted on
+# information of a pixel's beat, 1 / wraps^2, from which on it may vote and be voted on: 4 wraps,
+CLEAR = 1 / 16
+_MOST_CLEAR = (
+    16.0  # and the most that counts: without noise all other wraps would be ruled out
+)
 _RADIUS = 5  # of the neighbourhood of a vote, px; its Gaussian has half of that
 _GAUSS = np.exp(-((np.arange(-_RADIUS, _RADIUS + 1) / (_RADIUS / 2)) ** 2) / 2)
 _KERNEL = 0.25  # distance, wraps, within which two depths mean the same
@@ -58,8 +63,8 @@ def depth_by_votes(
     squared over their variances, up to a cap, or where ``explained`` by a surface of that
     ``depth``, not contradicting it, the first alone. Without a vote depths stay and shares are 0.
     """
-    doubt = doubt_of_beats(field)
-    clear = doubt < DOUBT
+    known = information_of_beats(field, field.information)
+    clear = known > CLEAR
     # pixels among those whose phases are not those of their surface vote again
     close = np.abs(np.angle(turn_back(field, depth))).max(axis=0) < _ASTRAY
     close = uniform_filter((explained & close).astype(float), _SQUARE)
@@ -69,13 +74,11 @@ def depth_by_votes(
         return depth, np.zeros(depth.shape)
     step = abs(field.excess)  # of the misfit from wrap to wrap, turns
     low, high = np.angle(field.phasor).astype(float) / TAU
-    # a quarter of a wrap at least: without noise all other wraps would be ruled out
-    doubt = np.maximum(np.where(np.isfinite(doubt), doubt, 1.0), 0.25)
     ballot = Ballot(
         asked,
         np.mod(low, 1),
         high - field.excess * closure,
-        1 / (2 * (doubt * step) ** 2),
+        np.minimum(known, _MOST_CLEAR) / (2 * step**2),
         np.where(explained, depth / field.period, np.nan),
         slopes,
     )
@@ -83,15 +86,6 @@ def depth_by_votes(
         ballot, field.ratio, _FARTHEST * step, np.array(field.limits) / field.period
     )
     return np.where(share > 0, place * field.period, depth), share
-
-
-def doubt_of_beats(field: Field) -> Array:
-    """Deviation (H, W), wraps, of the beat of each pixel; infinite in the dark."""
-    with np.errstate(divide="ignore"):
-        variance = 1 / np.maximum(field.information, 0).astype(float)
-    return np.sqrt(variance[1] + field.ratio**2 * variance[0]) / (
-        TAU * abs(field.excess)
-    )
 
 
 @njit()
