@@ -20,7 +20,7 @@ from cmtof.surfaces.roughness import (
 from cmtof.types import Array, Arrays
 
 _AGAIN = 2  # times that beats of rough surfaces are pooled again
-_PASSES = 4  # over the cells of a surface, each with new weights
+_PASSES = 3  # over the cells of a surface, each with new weights
 _CREDIBLE = 3.0  # deviations from these beyond which a cell counts less
 
 Beats = tuple[Array, Array, Array]
@@ -48,15 +48,23 @@ def _beats(field: Field, cells: Cells) -> Beats:
     """One pass of `pooled_beats`."""
     turned = _cell_phasors(field, cells)
     lag, known = _lags(field, turned, cells.information)
-    weight = 1.0
+    found = _weighted_beats(field, cells, turned)
     for _ in range(_PASSES):
-        total, most = pooled_phasors(
-            cells.main, weight * turned, weight * cells.information, cells.rough.size
-        )
-        low, high = np.angle(total)
-        beat = centred(high - field.multiple * low) / (TAU * field.excess)
-        off = lag - np.append(beat, 0)[cells.main]
+        off = lag - np.append(found[0], 0)[cells.main]
         weight = _CREDIBLE**2 / np.maximum(known * off**2, _CREDIBLE**2)
+        found = _weighted_beats(field, cells, turned, weight)
+    return found
+
+
+def _weighted_beats(
+    field: Field, cells: Cells, turned: Array, weight: float | Array = 1.0
+) -> Beats:
+    """Beats of phasors (2, h, w) that count by their weight (h, w)."""
+    total, most = pooled_phasors(
+        cells.main, weight * turned, weight * cells.information, cells.rough.size
+    )
+    low, high = np.angle(total)
+    beat = centred(high - field.multiple * low) / (TAU * field.excess)
     coherence = np.maximum(np.abs(total), 1e-9) / most
     low, high = 1 / (most * coherence**2)
     noise = np.sqrt(high + field.multiple**2 * low) / abs(TAU * field.excess)
