@@ -26,12 +26,8 @@ def rng():
 def tilted_wall():
     """A wall from 0.80 to 1.15 m, bright, so that its depth is known in closed form."""
     x, y = np.meshgrid(np.linspace(0, 1, 64), np.linspace(0, 1, 48))
-    return Frame(
-        0.8 + 0.25 * x + 0.1 * y,
-        0.2 + 0.8 * x,
-        np.array([80.0, 80.0, 32.0, 24.0]),
-        "wall",
-    )
+    camera = [80.0, 80.0, 32.0, 24.0]
+    return Frame(0.8 + 0.25 * x + 0.1 * y, 0.2 + 0.8 * x, camera, "wall")
 
 
 @fixture(scope="session")
@@ -39,9 +35,7 @@ def stepped_wall():
     """A slanted wall within the released wraps, with a step in the middle."""
     y, x = np.mgrid[:40, :56]
     depth = 0.9 + 0.0004 * x + 0.0002 * y + 0.12 * (x > 30)
-    return Frame(
-        depth * 1.195 / np.percentile(depth, 99.9), 0.6 + 0.004 * y, None, "wall", ""
-    )
+    return Frame(depth * 1.195 / np.percentile(depth, 99.9), 0.6 + 0.004 * y)
 
 
 @fixture(scope="session")
@@ -77,12 +71,18 @@ def shared_data():
 
 
 @fixture
-def run(capsys):
-    """Run a command; return exit code, standard output and standard error."""
+def own_folder(tmp_path, monkeypatch):
+    """The folder of a test, where it works."""
+    monkeypatch.chdir(tmp_path)
 
-    def runner(*arguments):
+
+@fixture
+def run(capsys, own_folder):
+    """Run a command in the test's folder; return exit code, standard output and error."""
+
+    def runner(*words):
         with raises(SystemExit) as stop:
-            main([str(argument) for argument in arguments])
+            main(" ".join(map(str, words)).split())
         captured = capsys.readouterr()
         return stop.value.code or 0, captured.out, captured.err
 
@@ -93,8 +93,8 @@ def run(capsys):
 def succeeds(run):
     """Run a command that must succeed; return its standard output."""
 
-    def runner(*arguments):
-        code, out, err = run(*arguments)
+    def runner(*words):
+        code, out, err = run(*words)
         assert code == 0, err
         return out
 
@@ -105,8 +105,8 @@ def succeeds(run):
 def fails(run):
     """Run a command that must fail; return its one line."""
 
-    def runner(*arguments):
-        code, _, err = run(*arguments)
+    def runner(*words):
+        code, _, err = run(*words)
         assert code == 1
         assert err.count("\n") == 1, err
         assert err.startswith("cmtof: Expected ")

@@ -5,6 +5,7 @@ import itertools
 
 import h5py
 import numpy as np
+from vectors import unit
 
 SHAPE = (24, 32)
 PLAIN = np.diag([0.5773502886169104, 0.4330127164626828, -1.0])
@@ -25,8 +26,7 @@ def official_rays(projection):
     height, width = SHAPE
     u = np.linspace(-1 + 1 / width, 1 - 1 / width, width)
     v = np.linspace(-1 + 1 / height, 1 - 1 / height, height)[::-1]
-    rays = np.stack([*np.meshgrid(u, v), np.ones(SHAPE)], axis=-1) @ projection.T
-    return rays / np.linalg.norm(rays, axis=-1, keepdims=True)
+    return unit(np.stack([*np.meshgrid(u, v), np.ones(SHAPE)], axis=-1) @ projection.T)
 
 
 def wall(projection):

@@ -21,9 +21,8 @@ DRAWS = 300_000
 
 def errors(intensity, rng, phase=0.9):
     signal = 20_000 * intensity
-    phases = np.full(DRAWS, phase)
     mean = correlation_from_phase(
-        phases, PSI, amplitude=signal / np.pi, offset=signal / 2
+        np.full(DRAWS, phase), PSI, amplitude=signal / np.pi, offset=signal / 2
     )
     counts = poisson_gaussian(mean, rng=rng, sigma=1200.0)
     return centred(phase_from_correlation(counts, PSI) - phase)
@@ -91,10 +90,8 @@ def test_odds_of_one_pixel_equal_counting(rng, intensity):
     low, high = FREQUENCIES
     draws = 2_000_000
     noise = linear(intensity)
-    phasor = 1 + noise * (
-        rng.normal(size=(2, draws)) + 1j * rng.normal(size=(2, draws))
-    )
-    error = np.angle(phasor)
+    real, imaginary = noise * rng.normal(size=(2, 2, draws))
+    error = np.angle(1 + real + 1j * imaginary)
     beat = centred(error[1] - 2 * error[0])
     wraps = np.rint((low / (high - 2 * low)) * beat / TAU - error[0] / TAU)
     law = bounds.wrap_probability_law(noise, noise, frequencies=FREQUENCIES)

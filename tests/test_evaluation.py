@@ -3,6 +3,7 @@
 import numpy as np
 from numpy.testing import assert_allclose, assert_array_equal
 from pytest import approx, mark, raises, skip
+from refusals import refused
 from scores import scores
 
 import cmtof
@@ -57,10 +58,10 @@ def test_pooled_frames_are_one_large_frame(rng):
 
 def test_scores_need_a_truth_and_a_pixel(measured):
     result = cmtof.unwrap(measured, method="middle")
-    with raises(ValueError, match="true depth"):
+    with refused("true depth"):
         scored_pixels(result, Measurement(measured.dataset.drop_vars("depth")))
     nothing = (("y", "x"), np.zeros(measured.shape, bool))
-    with raises(ValueError, match="at least one scored pixel"):
+    with refused("at least one scored pixel"):
         scored_pixels(result, Measurement(measured.dataset.assign(mask=nothing)))
 
 
@@ -68,11 +69,8 @@ def test_every_method_sees_the_same_noise(tilted_wall):
     frames = [tilted_wall, tilted_wall]
     both = Evaluation(["crt", "crt-ml"], seed=4).add_all(frames)
     report = both.report()
-    assert (report["protocol"], report["noise"], report["seed"]) == (
-        "released",
-        1200.0,
-        4,
-    )
+    told = {"protocol": "released", "noise": 1200.0, "seed": 4}
+    assert report | told == report
     crt, fused = report["methods"].values()
     assert crt["delta_lt_3"] == approx(fused["delta_lt_3"], abs=0.01)
     alone = Evaluation(["crt"], seed=4).add_all(frames)
@@ -93,14 +91,14 @@ def test_a_frame_at_which_a_method_fails_counts_for_none(tilted_wall, monkeypatc
 
 
 def test_other_frequencies_are_scored_over_the_same_pixels(tilted_wall):
-    given = measure_frame(tilted_wall, ["beat", "phasor", "crt"], seed=1)
+    given = measure_frame(tilted_wall, ["beat", "phasor", "crt"])
     assert given["beat"] is given["crt"]
     assert given["phasor"].frequencies.tolist() == [7.15e9, 7.16e9]
     assert_array_equal(given["phasor"].mask, given["beat"].mask)
 
 
 def test_counts_give_rates_with_intervals(tilted_wall):
-    counts = Evaluation(["crt", "middle"], seed=2).add_all([tilted_wall] * 4).counts()
+    counts = Evaluation(["crt", "middle"]).add_all([tilted_wall] * 4).counts()
     found = rates(counts, "crt", draws=200)
     pooled = [frame["methods"]["crt"] for frame in counts]
     right = sum(frame["below"][0] for frame in pooled)
@@ -124,7 +122,7 @@ def test_sets_of_wraps_are_counted_within_the_range(exact):
 
 def test_true_depth_read_against_the_measured_phase_loses_the_boundaries():
     """9 % of the pixels: noise carries a phase across the end of its wrap."""
-    m = simulate(load_frame("still_life"), protocol="full", seed=0)
+    m = simulate(load_frame("still_life"), protocol="full")
     found = scores(m, method="reference-depth")
     assert found["consistent_lt_1"] == 1.0
     assert 0.85 < found["delta_lt_1"] < 0.98
@@ -155,10 +153,8 @@ def test_beats_of_path_traced_rooms_score_as_an_independent_simulation(
 def test_stored_counts_are_those_of_the_shipped_frames():
     """Two frames counted again; another processor may differ in 1 % of a frame's pixels."""
     held = read_counts(RESULTS / "table2_released_1200.json")[:2]
-    again = (
-        Evaluation(["crt", "beat", "middle"]).add_all(held_out_frames()[:2]).counts()
-    )
-    for stored, new in zip(held, again, strict=True):
+    again = Evaluation(["crt", "beat", "middle"]).add_all(held_out_frames()[:2])
+    for stored, new in zip(held, again.counts(), strict=True):
         assert stored["frame"] == new["frame"]
         for name, counts in new["methods"].items():
             few = 0.01 * counts["pixels"]

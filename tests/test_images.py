@@ -1,41 +1,41 @@
 """Images of depth and light as others store them: what they mean, and what is said of them."""
 
 import json
+from pathlib import Path
 
 import numpy as np
 from numpy.testing import assert_allclose, assert_array_equal
 from PIL import Image
-from pytest import fixture, mark, raises
+from pytest import fixture, mark
+from refusals import refused
 
 from cmtof.frame import Frame, ray_lengths
 from cmtof.scenes import frames_in, load_frame
 
+pytestmark = mark.usefixtures("own_folder")
 SHAPE = (12, 16)
 CAMERA = [50.0, 60.0, 8.0, 6.0]
 DEPTH = np.linspace(1.5, 3.0, 192).reshape(SHAPE)
 LIGHT = np.full((*SHAPE, 3), 188, np.uint8)  # sRGB of one half
 
 
-def write(path, pixels):
-    path.parent.mkdir(parents=True, exist_ok=True)
-    if path.suffix == ".npy":
-        np.save(path, pixels)
+def write(name, pixels):
+    Path(name).parent.mkdir(exist_ok=True)
+    if name.endswith(".npy"):
+        np.save(name, pixels)
     else:
-        Image.fromarray(pixels).save(path)
-    return path
+        Image.fromarray(pixels).save(name)
+    return name
 
 
 def levels(scale):
     return np.rint(DEPTH * scale).astype(np.uint16)
 
 
-@fixture
-def read(tmp_path):
-    def pair(depth, light=LIGHT, name="d.png", **how):
-        colour = write(tmp_path / "light.png", light)
-        return load_frame(write(tmp_path / name, depth), intensity=colour, **how)
-
-    return pair
+def read(depth, light=LIGHT, name="d.png", **how):
+    """A frame of two images as they are stored."""
+    colour = write("light.png", light)
+    return load_frame(write(name, depth), intensity=colour, **how)
 
 
 ROTATED = levels(1000) * 8
@@ -63,7 +63,7 @@ UNKNOWN = np.where(DEPTH > 2.9, 65535, levels(1000)).astype(np.uint16)
         (CAPPED, {}, np.minimum(DEPTH, 2.5), "at the largest level, 2500"),
     ],
 )
-def test_levels_are_depths_and_odd_ones_are_named(read, depth, how, right, note):
+def test_levels_are_depths_and_odd_ones_are_named(depth, how, right, note):
     frame = read(depth, **how)
     assert_allclose(frame.depth, right, atol=6e-4)
     assert note in frame.note
@@ -83,13 +83,13 @@ def test_levels_are_depths_and_odd_ones_are_named(read, depth, how, right, note)
         (np.full((24, 32), 188, np.uint8), {}, 0.5, "resampled from 24x32 to 12x16 px"),
     ],
 )
-def test_light_is_linear_and_dark_light_is_named(read, light, how, right, note):
+def test_light_is_linear_and_dark_light_is_named(light, how, right, note):
     frame = read(levels(1000), light, **how)
     assert_allclose(frame.intensity, right, atol=0.005)
     assert note in frame.note
 
 
-def test_planar_depth_becomes_range_along_the_ray(read):
+def test_planar_depth_becomes_range_along_the_ray():
     frame = read(levels(5000), depth_scale=5000, planar=True, camera=CAMERA)
     assert_allclose(frame.depth, DEPTH * ray_lengths(SHAPE, CAMERA), atol=1.2e-4)
 
@@ -103,7 +103,7 @@ def test_planar_depth_becomes_range_along_the_ray(read):
         ("d.pfm", DEPTH.astype(np.float32), 1e-6),
     ],
 )
-def test_other_formats_hold_levels_or_metres(read, name, depth, within):
+def test_other_formats_hold_levels_or_metres(name, depth, within):
     assert_allclose(read(depth, name=name).depth, DEPTH, atol=within)
 
 
@@ -115,38 +115,35 @@ def test_other_formats_hold_levels_or_metres(read, name, depth, within):
         (levels(1000), {"depth_scale": 0}, "depth scale > 0"),
     ],
 )
-def test_what_a_pair_lacks_is_asked_for(read, depth, how, message):
-    with raises(ValueError, match=message):
+def test_what_a_pair_lacks_is_asked_for(depth, how, message):
+    with refused(message):
         read(depth, **how)
 
 
-def test_depth_without_light_is_refused(tmp_path):
-    depth = write(tmp_path / "d.png", levels(1000))
-    with raises(ValueError, match="intensity image beside"):
+def test_depth_without_light_is_refused():
+    depth = write("d.png", levels(1000))
+    with refused("intensity image beside"):
         load_frame(depth)
-    (tmp_path / "fake.png").write_bytes(b"no image")
-    with raises(ValueError, match="Expected a PNG image"):
-        load_frame(depth, intensity=tmp_path / "fake.png")
+    Path("fake.png").write_bytes(b"no image")
+    with refused("Expected a PNG image"):
+        load_frame(depth, intensity="fake.png")
 
 
 def test_pairs_of_a_folder_are_read_in_the_order_of_their_numbers(tmp_path):
     depth = levels(1000)
     depth[0, 0] = 0
     for name in ("2.png", "10.png"):
-        write(tmp_path / "depth" / name, depth)
-        write(tmp_path / "rgb" / name, LIGHT)
+        write(f"depth/{name}", depth)
+        write(f"rgb/{name}", LIGHT)
     listed = frames_in(tmp_path)
-    assert [source.name for source in listed] == [
-        f"{tmp_path.name}/2",
-        f"{tmp_path.name}/10",
-    ]
+    assert [one.name for one in listed] == [f"{tmp_path.name}/{n}" for n in (2, 10)]
     assert np.argwhere(np.isnan(listed[0].load().depth)).tolist() == [[0, 0]]
 
 
-def test_what_cannot_be_read_is_told_how_to_convert(tmp_path):
-    (tmp_path / "d.exr").write_bytes(b"v/1\x01")
-    with raises(ValueError, match=r"got d\.exr\. Convert it: numpy\.save"):
-        load_frame(tmp_path / "d.exr", intensity=tmp_path / "light.png")
+def test_what_cannot_be_read_is_told_how_to_convert():
+    Path("d.exr").write_bytes(b"v/1\x01")
+    with refused(r"got d\.exr\. Convert it: numpy\.save"):
+        load_frame("d.exr", intensity="light.png")
 
 
 @mark.parametrize(
@@ -159,10 +156,10 @@ def test_what_cannot_be_read_is_told_how_to_convert(tmp_path):
         (0.3, float, 0.3, ""),
     ],
 )
-def test_light_of_an_archive_is_what_its_type_says(tmp_path, level, kind, right, note):
+def test_light_of_an_archive_is_what_its_type_says(level, kind, right, note):
     light = np.full(SHAPE, level, kind)
-    np.savez(tmp_path / "a.npz", depth=DEPTH, intensity=light)
-    frame = load_frame(tmp_path / "a.npz")
+    np.savez("a.npz", depth=DEPTH, intensity=light)
+    frame = load_frame("a.npz")
     assert_allclose(frame.intensity, right, rtol=1e-6)
     assert note in frame.note
     assert bool(note) == bool(frame.note)
@@ -170,16 +167,16 @@ def test_light_of_an_archive_is_what_its_type_says(tmp_path, level, kind, right,
 
 
 @fixture
-def tum(tmp_path):
+def tum(own_folder):
     """A sequence of the TUM benchmark: the second depth has no colour near it in time."""
     for kind, times in (("depth", (1.01, 9.0, 1.04)), ("rgb", (1.0, 1.05))):
         names = {time: f"{kind}/{time}.png" for time in times}
         for time, name in names.items():
             shade = np.full((*SHAPE, 3), 255 if time == 1.05 else 188, np.uint8)
-            write(tmp_path / name, levels(5000) if kind == "depth" else shade)
+            write(name, levels(5000) if kind == "depth" else shade)
         lines = "".join(f"{time:.4f} {name}\n" for time, name in names.items())
-        (tmp_path / f"{kind}.txt").write_text(f"# timestamp filename\n{lines}")
-    return tmp_path
+        Path(f"{kind}.txt").write_text(f"# timestamp filename\n{lines}")
+    return "."
 
 
 def test_a_tum_sequence_is_read_as_downloaded(tum):
@@ -187,16 +184,15 @@ def test_a_tum_sequence_is_read_as_downloaded(tum):
     assert [frame.name for frame in frames] == ["1.01", "1.04"]
     assert_allclose(frames[0].depth, DEPTH, atol=2e-4)
     assert [round(float(frame.intensity[0, 0]), 1) for frame in frames] == [0.5, 1.0]
-    assert (
-        frames_in(tum, camera=[8.0, 8.0, 8.0, 6.0])[0].load().depth > frames[0].depth
-    ).all()
+    wide = frames_in(tum, camera=[8.0, 8.0, 8.0, 6.0])[0].load()
+    assert (wide.depth > frames[0].depth).all()
 
 
-def test_evaluate_reads_images_as_told_and_stores_what_is_odd(succeeds, tmp_path):
-    write(tmp_path / "set" / "depth" / "1.png", levels(5000))
-    write(tmp_path / "set" / "color" / "1.png", LIGHT)
-    scores = tmp_path / "scores.json"
-    command = ("evaluate", tmp_path / "set", "--method", "middle", "--json", scores)
-    assert "1: depth taken along the ray" in succeeds(*command, "--depth-scale", 5000)
-    assert json.loads(scores.read_text())["notes"]["1"] == "depth taken along the ray"
-    assert "1000 levels a metre" in succeeds(*command)
+def test_evaluate_reads_images_as_told_and_stores_what_is_odd(succeeds):
+    write("depth/1.png", levels(5000))
+    write("color/1.png", LIGHT)
+    command = "evaluate . --method middle --json scores.json"
+    note = "depth taken along the ray"
+    assert f"1: {note}" in succeeds(command, "--depth-scale 5000")
+    assert json.loads(Path("scores.json").read_text())["notes"]["1"] == note
+    assert "1000 levels a metre" in succeeds(command)

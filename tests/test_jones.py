@@ -1,22 +1,16 @@
 """Jones calculus: known actions of the elements. In test_modulator they conserve energy."""
 
-from functools import reduce
-
 import numpy as np
 from hypothesis import given
 from hypothesis import strategies as st
 from numpy.testing import assert_allclose
-from pytest import approx, mark, raises
+from pytest import approx, mark
+from refusals import refused
 
 from cmtof import jones
 
 angle = st.floats(-10, 10, allow_subnormal=False)
 ratio = st.floats(1.5, 1e6)
-
-
-def compose(*elements):
-    """Product of elements in the order in which the light meets them."""
-    return reduce(np.matmul, reversed(elements))
 
 
 def rotation(angle):
@@ -25,7 +19,7 @@ def rotation(angle):
 
 @given(angle, angle)
 def test_retarder_is_its_diagonal_form_turned_by_its_angle(retardance, axis):
-    turned = compose(rotation(-axis), jones.eom(retardance), rotation(axis))
+    turned = rotation(axis) @ jones.eom(retardance) @ rotation(-axis)
     assert_allclose(jones.retarder(retardance, axis), turned, atol=1e-14)
 
 
@@ -62,5 +56,5 @@ def test_beam_splitter_has_the_extinction_ratios_asked_for(transmitted, reflecte
     ],
 )
 def test_impossible_elements_are_refused(call, message):
-    with raises(ValueError, match=message):
+    with refused(message):
         call()

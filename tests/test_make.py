@@ -46,8 +46,6 @@ def test_what_is_lost_of_a_book_is_made_again(tmp_path, lost):
         (tmp_path / name).touch()
     if lost:
         (tmp_path / lost).rename(tmp_path / "lost")
-    command = ["snakemake", "-n", "--nolock", "--config", "profile=ci"]
-    said = subprocess.check_output(
-        [sys.executable, "-m", *command, f"build={tmp_path}"], cwd=ROOT
-    )
+    line = f"-m snakemake -n --nolock --config profile=ci build={tmp_path}"
+    said = subprocess.check_output([sys.executable, *line.split()], cwd=ROOT)
     assert (b"rule book:" in said) == bool(lost)

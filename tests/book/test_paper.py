@@ -89,8 +89,7 @@ def test_settings_are_compared_too():
     assert Score.of(setting, 10.2).verdict == "as stated"
     changed = Score.of(setting, 11)
     assert (changed.verdict, changed.reason) == ("changed", "Why.")
-    other = replace(PLAIN, untested="other data")
-    assert Score.of(other, 10).verdict == "untested"
+    assert Score.of(replace(PLAIN, untested="other data"), 10).verdict == "untested"
 
 
 def test_rates_of_the_tables_nest_and_add_up():

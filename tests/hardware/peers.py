@@ -314,32 +314,28 @@ class T7:
 
     def send_burst(self):
         """Send the packets of a burst."""
-        scans = self.get(4020)
         size = self.get(4006)
-        settings = {
-            "rate": self.get(4002, "f"),
-            "scans": scans,
-            "pulse": self.get(4060),
-        }
         places = range(4102, 4100 + 2 * self.get(4004), 2)
-        inputs = [f"AIN{self.get(place) // 2}" for place in places]
-        self.device.configure_burst(channels=inputs, pulse_line="FIO4", **settings)
-        counts = next(self.device.bursts([{"USER_RAM0_U32": self.get(46100)}])).astype(
-            ">u2"
+        self.device.configure_burst(
+            channels=[f"AIN{self.get(place) // 2}" for place in places],
+            rate=self.get(4002, "f"),
+            scans=self.get(4020),
+            pulse_line="FIO4",
+            pulse=self.get(4060),
         )
-        fault = self.fault
-        self.fault = ""
-        for n, start in enumerate(range(0, counts.size, size)):
-            part = counts[start : start + size].tobytes()
-            status = 2944 if start + size >= counts.size else 0
-            number = n
-            if n and fault == "short":
-                return
-            if n and fault == "skipped":
+        (counts,) = self.device.bursts([{"USER_RAM0_U32": self.get(46100)}])
+        parts = np.split(counts.astype(">u2"), range(size, counts.size, size))
+        fault = ""
+        for n, part in enumerate(parts):
+            if fault == "short":
+                break
+            status = 2944 if part is parts[-1] else 0
+            if fault == "skipped":
                 status = 2941
-            if n and fault == "lost":
-                number += 1
+            number = n + (fault == "lost")
             head = struct.pack(
-                ">HHHBBBBHHH", number, 0, 10 + len(part), 1, 76, 16, 0, 0, status, 0
+                ">HHHBBBBHHH", number, 0, 10 + part.nbytes, 1, 76, 16, 0, 0, status, 0
             )
-            self.stream.write(head + part)
+            self.stream.write(head + part.tobytes())
+            fault = self.fault  # from the second packet on
+        self.fault = ""

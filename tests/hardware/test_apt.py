@@ -6,7 +6,8 @@ import struct
 from types import SimpleNamespace
 
 from peers import ERROR, HOMED, Controller, Port, simulated
-from pytest import fixture, mark, raises
+from pytest import fixture, mark
+from refusals import refused
 
 from cmtof.hardware.apt import LONGEST, MOTORS, Motor, open_controller
 from cmtof.hardware.device import (
@@ -65,14 +66,14 @@ def test_a_controller_that_talks_but_does_not_answer_is_given_up(monkeypatch):
         read=lambda size: bytes(itertools.islice(endless, size)),
         reset_input_buffer=lambda: None,
     )
-    with raises(InstrumentTimeout, match="answer mot_req_poscounter, got none"):
+    with refused("answer mot_req_poscounter, got none", InstrumentTimeout):
         _ = Motor(talker, MOTORS["mts50-z8"], "stage").position
 
 
 def test_a_port_is_opened_by_one_program_only():
     primary, secondary = os.openpty()
     port = open_controller(os.ttyname(secondary))
-    with raises(ConnectionLost, match="Expected a serial port at"):
+    with refused("Expected a serial port at", ConnectionLost):
         open_controller(os.ttyname(secondary))
     port.close()
     os.close(primary)
@@ -81,7 +82,7 @@ def test_a_port_is_opened_by_one_program_only():
 
 def test_a_move_needs_a_home(controller, motor):
     controller.status &= ~HOMED
-    with raises(Refused, match="be homed before a move"):
+    with refused("be homed before a move", Refused):
         motor.move_to(0.01)
     assert not controller.moves
 
@@ -92,7 +93,7 @@ def test_a_motor_that_does_not_arrive_is_stopped(controller, motor, monkeypatch,
     controller.deaf = fault == "deaf"
     controller.looks = 10**6 * (fault == "moving")
     controller.status |= ERROR * (fault == "error")
-    with raises(InstrumentError, match="Expected stage to arrive at 0.01, got it at"):
+    with refused("Expected stage to arrive at 0.01, got it at", InstrumentError):
         motor.move_to(0.01)
     assert controller.looks == 0
     assert len(controller.moves) == 1

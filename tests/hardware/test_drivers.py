@@ -6,6 +6,7 @@ from peers import T7, Controller, Port, Visa, Wire, modbus
 from pytest import fixture, mark, raises
 from pyvisa import VisaIOError
 from pyvisa.constants import StatusCode
+from refusals import refused
 
 from cmtof.hardware.device import (
     BadReply,
@@ -86,15 +87,14 @@ def test_a_fault_that_stays_is_one_error(
     request_of, contract, wire, driver, faults, fault
 ):
     wire.fail(request_of(contract["question"]), faults[fault])
-    with raises(ERRORS[fault], match=r"^Expected .*, got .*\. [A-Z].*\.$") as found:
+    with refused(r"\. [A-Z].*\.$", ERRORS[fault]):
         called(driver, **contract["ask"])
-    assert "\n" not in str(found.value)
 
 
 @mark.parametrize("fault", ERRORS)
 def test_a_change_is_sent_once(request_of, contract, wire, driver, sent, faults, fault):
     wire.fail(request_of(contract["command"]), faults[fault])
-    with raises(OSError, match="Expected"):
+    with refused("Expected", OSError):
         called(driver, **contract["change"])
     assert sent(contract["command"]) == 1
 
@@ -106,12 +106,12 @@ def test_another_device_is_refused(wire, driver):
         model.set(60000, "f", 4.0)
     else:
         model.model = b"TDC9" if isinstance(model, Controller) else "OTHER"
-    with raises(Refused, match="Expected device to be .* Check the address"):
+    with refused("Expected device to be .* Check the address", Refused):
         driver.identify()
 
 
 def test_a_value_beyond_the_limits_is_not_sent(contract, wire, driver):
-    with raises(ValueError, match="Expected .* of device from .* Stay within"):
+    with refused("Expected .* of device from .* Stay within"):
         called(driver, **contract["beyond"])
     assert not wire.sent
 
@@ -140,5 +140,5 @@ def test_after_silence_the_rest_of_a_safe_state_is_left_out(error, left):
 
 @mark.parametrize("text", ["9.9E+37", "nan", "volts", ""])
 def test_what_is_no_number_is_a_bad_reply(text):
-    with raises(BadReply, match="Expected a number"):
+    with refused("Expected a number", BadReply):
         number(text)

@@ -6,6 +6,7 @@ from pathlib import Path
 from pymodbus.framer import FramerSocket
 from pymodbus.pdu import DecodePDU
 from pytest import raises
+from refusals import refused
 
 from cmtof.hardware.device import Refused
 from cmtof.hardware.modbus import Feedback
@@ -29,7 +30,7 @@ def test_generator_becomes_the_clock():
         clock.sine(channel, frequency=10e6, amplitude=1.0)
         clock.output(channel, True)
     clock.lock_phases()
-    with raises(Refused, match="its FRQ to 39000000, got 10000000"):
+    with refused("its FRQ to 39000000, got 10000000", Refused):
         clock.sine(2, frequency=39e6, amplitude=1.0)
     clock.safe_state()
     assert not clock.output_is_on(1)

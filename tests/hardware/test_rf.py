@@ -1,7 +1,7 @@
 """The RF driver and its lock. Its lines are in the transcripts."""
 
 from peers import Firmware, Port, simulated
-from pytest import raises
+from refusals import refused
 
 from cmtof.hardware.device import Unsafe
 from cmtof.hardware.rf import RfDriver
@@ -14,6 +14,6 @@ def test_rf_without_a_lock_is_switched_off_again():
     rf.output(True)
     assert rf.status().on
     device.panel.clock_on = False
-    with raises(Unsafe, match=r"Expected rf to lock within 0\.05 s, got RfStatus"):
+    with refused(r"Expected rf to lock within 0\.05 s, got RfStatus", Unsafe):
         rf.output(True, lock_timeout=0.05)
     assert not rf.status().on

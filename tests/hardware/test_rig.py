@@ -2,13 +2,15 @@
 
 import errno
 import json
+import re
 from dataclasses import replace
 from pathlib import Path
 from unittest.mock import Mock, call
 
 import numpy as np
 import serial
-from pytest import approx, fixture, mark, raises
+from pytest import approx, fixture, mark
+from refusals import refused
 from wire import with_device
 
 from cmtof.files import read_document
@@ -42,10 +44,8 @@ def with_devices(text):
 @mark.parametrize(("text", "words"), WRONG["rigs"])
 def test_a_file_that_cannot_be_is_one_line(path, text, words):
     path.write_text(with_devices(text))
-    with raises((ValueError, OSError)) as error:
+    with refused(re.escape(words), (ValueError, OSError)):
         Rig.load(path)
-    assert words in str(error.value)
-    assert "\n" not in str(error.value)
 
 
 def test_a_bench_record_moves_lines_and_turns_mirrors(path):
@@ -70,7 +70,7 @@ def test_a_view_beyond_the_mirrors_is_refused():
     steep = replace(
         RIG, mirror_volts_per_degree=(1.0, 1.0), field_of_view_deg=(60.0, 20.0)
     )
-    with raises(ValueError, match="Expected mirrors within 10 V, got 13.4 V"):
+    with refused("Expected mirrors within 10 V, got 13.4 V"):
         plan_scan(steep, size=8)
 
 
@@ -84,23 +84,23 @@ def test_a_view_beyond_the_mirrors_is_refused():
     ],
 )
 def test_nothing_at_an_address_is_one_line(role, address):
-    with raises(ConnectionLost, match="Expected .*Check"):
+    with refused("Expected .*Check", ConnectionLost):
         connected_driver(with_device(RIG, role, address=address), role).identify()
 
 
 def test_a_port_that_may_not_be_opened_says_what_helps():
     refusal = serial.SerialException(errno.EACCES, "could not open port")
     with (
-        raises(ConnectionLost, match="Add yourself to the group dialout"),
+        refused("Add yourself to the group dialout", ConnectionLost),
         one_error("a serial port"),
     ):
         raise refusal
     with (
-        raises(ConnectionLost, match="apt install libusb"),
+        refused("apt install libusb", ConnectionLost),
         one_error("a meter", ConnectionLost),
     ):
         raise ValueError("No backend available")
-    with raises(ConnectionLost, match="ls -l /dev/serial/by-id"):
+    with refused("ls -l /dev/serial/by-id", ConnectionLost):
         connected_driver(with_device(RIG, "stage", address="/dev/no-port"), "stage")
 
 
@@ -110,13 +110,11 @@ def test_the_clock_begins_from_its_own_state_and_runs_as_the_rig_says():
     )
     bench.clock = Mock()
     bench.start_clock()
-    sines = [call.sine(channel, frequency=5e6, amplitude=2.0) for channel in (1, 2)]
-    outputs = [call.output(channel, True) for channel in (1, 2)]
     assert bench.clock.mock_calls == [
         call.reset(),
-        *sines,
+        *[call.sine(channel, frequency=5e6, amplitude=2.0) for channel in (1, 2)],
         call.lock_phases(),
-        *outputs,
+        *[call.output(channel, True) for channel in (1, 2)],
     ]
 
 
@@ -137,7 +135,7 @@ def test_light_needs_a_closed_interlock(part, knob):
     bench.switch(part, True)
     assert getattr(panel, knob)
     panel.interlock_closed = False
-    with raises(Unsafe, match="Expected the interlock closed, got it open"):
+    with refused("Expected the interlock closed, got it open", Unsafe):
         bench.switch(part, True)
     bench.switch(part, False)
     assert not getattr(panel, knob)

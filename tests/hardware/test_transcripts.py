@@ -8,7 +8,8 @@ from contextlib import nullcontext
 from pathlib import Path
 
 from kinds import DEVICES, called, dialogue
-from pytest import mark, param, raises
+from pytest import mark, param
+from refusals import refused
 from registers import LISTED, WORDS
 
 from cmtof.hardware import device, t7
@@ -26,7 +27,7 @@ CASES = [
 def test_a_driver_says_and_understands_what_is_written(one, case):
     pairs = [one.pair(**line) for line in case["lines"]]
     error, words = case.get("raises", (None, None))
-    fails = raises(getattr(device, error), match=words) if error else nullcontext()
+    fails = refused(words, getattr(device, error)) if error else nullcontext()
     with dialogue(one.kind, *pairs) as port, fails:
         asked = {key: case[key] for key in ("call", "with", "options") if key in case}
         found = called(one.driver(port, name="device"), **asked)

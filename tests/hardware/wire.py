@@ -61,6 +61,11 @@ def serve(requests, read, answer, send):
             send(answer(request))
 
 
+def in_background(act, *arguments):
+    """Have something done by a thread that ends with the program."""
+    threading.Thread(target=act, args=arguments, daemon=True).start()
+
+
 class Terminal:
     """A pseudo-terminal whose far end answers."""
 
@@ -70,8 +75,8 @@ class Terminal:
         tty.setraw(far)
         self.address = os.ttyname(far)
         self._far = os.fdopen(far, "rb")
-        ends = (os.fdopen(near, "rb"), read, self.wire, partial(os.write, near))
-        threading.Thread(target=serve, args=ends, daemon=True).start()
+        send = partial(os.write, near)
+        in_background(serve, os.fdopen(near, "rb"), read, self.wire, send)
 
     def close(self):
         """Leave the port: when the host leaves it, too, nobody is there."""
@@ -86,12 +91,12 @@ class Server:
     def __init__(self, model, read=line, port=0):
         self.wire = Wire(model)
         self._read = read
-        handle = lambda client, *_: self.handle(client)  # noqa: E731
-        self._server = socketserver.ThreadingTCPServer(("127.0.0.1", port), handle)
+        self._server = socketserver.ThreadingTCPServer(
+            ("127.0.0.1", port), lambda client, *_: self.handle(client)
+        )
         self._server.daemon_threads = True
         self.address = self.form.format(*self._server.server_address)
-        run = partial(self._server.serve_forever, 0.01)
-        threading.Thread(target=run, daemon=True).start()
+        in_background(self._server.serve_forever, 0.01)
 
     def handle(self, client):
         """Serve a connection."""
@@ -168,8 +173,7 @@ class World:
             kind, end = PEERS[rig.devices[role].driver]
             self.models[role] = kind(device, clock=self.now)
             self.ends[role] = end(self.models[role])
-            address = self.ends[role].address
-            self.rig = with_device(self.rig, role, address=address)
+            self.rig = with_device(self.rig, role, address=self.ends[role].address)
 
     def now(self):
         """Time, s."""

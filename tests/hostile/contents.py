@@ -98,7 +98,7 @@ def whole_journal():
             raise KeyboardInterrupt
 
     rig = Rig.default()
-    bench = simulated_bench(rig, "still_life", seed=0)
+    bench = simulated_bench(rig, "still_life")
     with tempfile.TemporaryDirectory() as folder:
         output = Path(folder, "out.nc")
         with contextlib.suppress(KeyboardInterrupt):

@@ -139,8 +139,7 @@ def main(count, first=0):
             print(line, flush=True)
             failures.append(line)
     report = {"cases": first + count, "failures": failures}
-    text = json.dumps(report, indent=1, sort_keys=True) + "\n"
-    REPORT.write_text(text, "utf-8")
+    REPORT.write_text(json.dumps(report, indent=1, sort_keys=True) + "\n", "utf-8")
     print(f"{first + count} cases, {len(failures)} failures")
     return int(bool(failures))
 

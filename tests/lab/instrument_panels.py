@@ -33,5 +33,4 @@ def profile(instrument, panel, angles=((0.0, 0.0),), **options):
     """Mean volts (N, 16) of a burst's phases behind the settling samples."""
     options.setdefault("labels", np.arange(1, len(angles) + 1))
     counts = instrument.bursts(panel, angles, pulses=EDGES, **options)
-    means = counts.reshape(-1, 16, 20)[..., 8:].mean(-1)
-    return volts_from_counts(means)
+    return volts_from_counts(counts.reshape(-1, 16, 20)[..., 8:].mean(-1))

@@ -24,24 +24,20 @@ def rms(errors):
 )
 def test_closed_forms_meet_the_simulation(name, field, mode):
     """Days tell a root mean square to 1/sqrt(2 days) or so; three of these."""
-    errors = simulated_errors(
-        ideal_but_for(field), MIRROR, mode, days=80, seed=1, **STILL
+    whole, floor = (
+        rms(simulated_errors(settings, MIRROR, mode, days=days, seed=1, **STILL))
+        for settings, days in ((ideal_but_for(field), 80), (TwinSettings.ideal(), 5))
     )
-    floor = rms(
-        simulated_errors(TwinSettings.ideal(), MIRROR, mode, days=5, seed=1, **STILL)
-    )
-    found = np.sqrt(rms(errors) ** 2 - floor**2)
-    assert found == approx(
-        budget_terms(MIRROR, mode, days=1)[name], rel=3 / np.sqrt(160)
-    )
+    term = budget_terms(MIRROR, mode, days=1)[name]
+    assert np.sqrt(whole**2 - floor**2) == approx(term, rel=3 / np.sqrt(160))
 
 
 def test_leakage_averages_out_in_the_single_mode_alone():
-    terms = {
-        mode: budget_terms(PLATE, mode, days=6)["RF leakage"]
+    single, doubled = (
+        budget_terms(PLATE, mode, days=6)["RF leakage"]
         for mode in ("single", "doubled")
-    }
-    assert terms["doubled"] > 2 * terms["single"]
+    )
+    assert doubled > 2 * single
 
 
 def test_the_sum_of_squares_is_the_whole():

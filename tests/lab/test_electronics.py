@@ -26,15 +26,14 @@ def test_step_response_is_that_of_three_poles(rc_time):
     assert_allclose(found, 1 - decay @ (times**3 / apart.prod(1)), atol=1e-9)
 
 
-def test_filtered_noise_has_its_memory():
+def test_filtered_noise_has_its_memory(rng):
     filters = Chain(TwinSettings(rc_time=1e-4), STEP)
-    normals = np.random.default_rng(1).standard_normal((20000, 13, 3))
+    normals = rng.standard_normal((20000, 13, 3))
     still = np.zeros((20000, 12))
     seen = filters.run(still, np.ones_like(still), normals)
     found = []
     for lag in (0, 1, 2):
-        pairs = seen[:, lag:] * seen[:, : 12 - lag]
-        found.append(pairs.mean())
+        found.append((seen[:, lag:] * seen[:, : 12 - lag]).mean())
     assert_allclose(found, filters.memory(3), rtol=4 * np.sqrt(3 / 20000))
     # one slow pole: density over 4 RC
     slow = TwinSettings(rc_time=1e-2, bandwidth=1e8, low_pass=1e8)

@@ -59,12 +59,13 @@ def test_noise_reaches_its_closed_form(power, distance, rng):
 
 def test_dark_and_saturated_pixels_have_no_range(rng):
     camera = MhzCamera()
-    dark = flat(np.nan)
-    found, _ = camera.depth(camera.capture(camera.light(dark, dark), rng=rng))
-    assert 0.3 < np.isnan(found).mean() < 0.9
-    bright = flat(reflectance=0.9, mirrored=1.0)
-    found, _ = camera.depth(camera.capture(camera.light(bright, bright), rng=rng))
-    assert np.isnan(found).all()
+
+    def unknown(view):
+        images = camera.capture(camera.light(view, view), rng=rng)
+        return np.isnan(camera.depth(images)[0]).mean()
+
+    assert 0.3 < unknown(flat(np.nan)) < 0.9
+    assert unknown(flat(reflectance=0.9, mirrored=1.0)) == 1
 
 
 def test_a_veil_pulls_a_dark_spot_by_the_closed_form(dark=0.005):
@@ -77,5 +78,4 @@ def test_a_veil_pulls_a_dark_spot_by_the_closed_form(dark=0.005):
     turned = np.angle(1 + ratio * np.exp(1j * away))
     pull = depth_from_phase(turned, camera.frequency)
     assert_allclose(bias(camera, spot, field), pull, rtol=1e-9)
-    at_equal_range = flat(1.0, 0.8)
-    assert np.abs(bias(camera, spot, at_equal_range)).max() < 1e-12
+    assert np.abs(bias(camera, spot, flat(1.0, 0.8))).max() < 1e-12

@@ -3,6 +3,7 @@
 import numpy as np
 import pytest
 from pytest import approx, mark
+from vectors import unit
 
 pytest.importorskip("embreex")
 
@@ -20,8 +21,7 @@ WRAPS = wrap_length(FREQUENCY_SINGLE) * np.array(RELEASED_WRAPS)
 def unit_rays(view):
     """Rays (96, 96, 3) over a field of view, rad."""
     focal = 48 / np.tan(view / 2)
-    rays = rays_from_camera((96, 96), [focal, focal, 48, 48])
-    return rays / np.linalg.norm(rays, axis=-1, keepdims=True)
+    return unit(rays_from_camera((96, 96), [focal, focal, 48, 48]))
 
 
 def looked_at(name):
@@ -70,8 +70,7 @@ def test_the_step_of_the_gauge_blocks_is_along_their_normal():
     # the last two lie beside the faces
     x = WIDTH * np.array([-0.5, 0.5, 1.1, 0])
     y = HEIGHT * np.array([0.1, -0.1, 0, 0.6])
-    rays = np.column_stack([x, y, np.ones(4)])
-    rays /= np.linalg.norm(rays, axis=1, keepdims=True)
+    rays = unit(np.column_stack([x, y, np.ones(4)]))
     reach = target.look(rays).range
     assert np.isnan(reach[2:]).all()
     along = rays @ [-np.sin(tilt), 0, np.cos(tilt)]

@@ -30,9 +30,8 @@ def test_counts_are_those_of_a_scan(mode):
     ranger = OpticalRanger(settings, mode)
     row = ["single", "doubled"].index(mode)
     label = round(float(scan["time"][row, 0, 0]) / BURST_INTERVAL)
-    counts = ranger.counts(
-        SimulatedInstrument(ranger.before(PLATE), seed=5), np.zeros(1), [label]
-    )
+    instrument = SimulatedInstrument(ranger.before(PLATE), seed=5)
+    counts = ranger.counts(instrument, np.zeros(1), [label])
     means = counts.reshape(16, 20)[:, 4:].mean(-1)
     # a scan drops more of the first phase, in which the mirrors may still move
     assert_array_equal(means[1:], scan["raw_counts"][row, 1:, 0, 0])

@@ -41,8 +41,8 @@ def test_a_mirror_returns_more_and_turns_away():
     assert returned(1.0, mirrored=0.3) == approx(0.7 * paper + 0.3 * straight)
 
 
-def test_speckle_has_its_mean_and_contrast():
-    angles = np.random.default_rng(0).uniform(-0.05, 0.05, (20000, 2))
+def test_speckle_has_its_mean_and_contrast(rng):
+    angles = rng.uniform(-0.05, 0.05, (20000, 2))
     rough = trace(Plane(1.0), angles, REAL, seed=5).fraction.sum(1)
     plain = replace(REAL, speckle=False)
     relative = rough / trace(Plane(1.0), angles, plain, seed=5).fraction.sum(1)
@@ -52,7 +52,7 @@ def test_speckle_has_its_mean_and_contrast():
 
 
 def test_numbers_of_places_depend_on_the_place_alone():
-    places = np.stack(np.meshgrid(np.arange(100), np.arange(100)), -1).reshape(-1, 2)
+    places = np.indices((100, 100)).reshape(2, -1).T
     numbers = uniform_from_places(1, places, 3)
     assert np.array_equal(numbers[::-1], uniform_from_places(1, places[::-1], 3))
     assert numbers.mean() == approx(0.5, abs=0.01)

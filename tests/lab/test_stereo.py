@@ -17,7 +17,7 @@ from cmtof_lab.spots import photographed_spots
 
 RIG = stereo.simulated_rig()
 WRAP = wrap_length(FREQUENCY_SINGLE)
-CAMERA = np.array([60.0, 60.0, 20.0, 15.0])
+CAMERA = [60.0, 60.0, 20.0, 15.0]
 SHAPE = (30, 40)
 
 
@@ -41,10 +41,6 @@ def post():
 
 def points_of(frame):
     return points_from_depth(frame.depth, frame.camera)
-
-
-def measured_phase(frame):
-    return phase_from_depth(frame.depth, FREQUENCY_SINGLE) % TAU
 
 
 def exact(frame, sigma=0.05):
@@ -167,9 +163,10 @@ def test_a_wrong_pair_is_seen_across_the_epipolar_line(wall):
     assert truth.mask.sum() == truth.mask.size - 1
 
 
-def test_labels_of_a_simulated_scan_are_right_and_silent_where_hidden(post):
-    spots = stereo.scan_spots(post, RIG, rng=np.random.default_rng(3))
-    truth = stereo.truth_from_spots(spots, RIG, phase=measured_phase(post))
+def test_labels_of_a_simulated_scan_are_right_and_silent_where_hidden(post, rng):
+    spots = stereo.scan_spots(post, RIG, rng=rng)
+    phase = phase_from_depth(post.depth, FREQUENCY_SINGLE) % TAU
+    truth = stereo.truth_from_spots(spots, RIG, phase=phase)
     seen = np.all(
         [stereo.visible_from(points_of(post), c) for c in RIG.centres], axis=0
     )

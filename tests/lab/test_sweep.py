@@ -1,5 +1,7 @@
 """Parts of the errors of a sweep, and the table of three instruments."""
 
+from functools import partial
+
 import numpy as np
 from hypothesis import given
 from hypothesis import strategies as st
@@ -21,9 +23,8 @@ from cmtof_lab.targets import MIRROR
 )
 def test_the_parts_add_up(offset, slope, noise, seed):
     about = POSITIONS - POSITIONS.mean()
-    errors = offset + slope * about
-    errors = errors + noise * np.random.default_rng(seed).standard_normal((4, 21))
-    found = parts(errors)
+    rng = np.random.default_rng(seed)
+    found = parts(rng.normal(offset + slope * about, noise, (4, 21)))
     total = found.offset**2 + found.slope**2 * about.var() + 19 / 21 * found.scatter**2
     assert_allclose(total, found.rmse**2, rtol=1e-9, atol=1e-20)
 
@@ -35,11 +36,10 @@ def test_the_parts_add_up(offset, slope, noise, seed):
 )
 def test_repeats_are_days_of_their_own(ranger):
     places = POSITIONS[:3]
-    three = ranger.sweep(MIRROR, places, repeats=3, seed=9)
-    assert_array_equal(ranger.sweep(MIRROR, places, repeats=1, seed=9)[0], three[0])
+    sweep = partial(ranger.sweep, MIRROR, places)
+    three = sweep(repeats=3, seed=9)
+    assert_array_equal(sweep(repeats=1, seed=9)[0], three[0])
     assert len({row.tobytes() for row in three}) == 3
-    assert not np.array_equal(
-        ranger.sweep(MIRROR, places, repeats=1, seed=8)[0], three[0]
-    )
+    assert not np.array_equal(sweep(repeats=1, seed=8)[0], three[0])
     assert np.abs(three - 0.6 - places).max() < 5e-5
     assert ranger.bound(MIRROR, places).shape == (3,)

@@ -22,7 +22,7 @@ def one_thread():
 
 @fixture
 def measurement(stepped_wall):
-    return cmtof.simulate(stepped_wall, noise=300.0, seed=1)
+    return cmtof.simulate(stepped_wall, noise=300.0)
 
 
 @fixture

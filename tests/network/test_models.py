@@ -50,14 +50,13 @@ def test_regression_spans_the_range_in_single_precision():
 @mark.parametrize(
     ("protocol", "quarters"), [("released", (1, -1)), ("full", (0, 1, 2, 3))]
 )
-def test_fresh_stem_sees_the_beat(protocol, quarters):
+def test_fresh_stem_sees_the_beat(protocol, quarters, rng):
     """Means of the rectified filters follow |sin((b - beta)/2)|, whatever the phase."""
     first, classes = CLASSES[protocol]
-    kernels = (
-        build_network("fast-scnn", protocol).stem[0].weight.detach()[:16, :, 1:2, 1:2]
-    )
+    stem = build_network("fast-scnn", protocol).stem
+    kernels = stem[0].weight.detach()[:16, :, 1:2, 1:2]
     beat = BEAT * np.linspace(first, first + classes, 7)[:, None]
-    low = np.random.default_rng(0).uniform(0, TAU, (7, 4000))
+    low = rng.uniform(0, TAU, (7, 4000))
     phase = torch.from_numpy(np.stack([low, (2 * low + beat) % TAU])).float()
     inputs = features(phase, torch.full_like(phase, 3000.0))
     seen = torch.relu(torch.nn.functional.conv2d(inputs, kernels))
@@ -70,10 +69,9 @@ def test_fresh_stem_sees_the_beat(protocol, quarters):
 def test_path_to_the_pyramid_carries_the_beat_from_the_start():
     """A linear reading of the fresh network's pooled features finds the wrap of a flat wall."""
     torch.manual_seed(0)
-    network, held = build_network("fast-scnn").train(), []
-    network.pyramid.join.register_forward_pre_hook(
-        lambda module, given: held.append(given[0])
-    )
+    network = build_network("fast-scnn").train()
+    held = []
+    network.pyramid.join.register_forward_pre_hook(lambda _, given: held.extend(given))
     wraps = torch.linspace(36, 57, 16)
     low = TAU * torch.rand(16, 64, 64)
     noise = 0.3 * torch.randn(16, 2, 64, 64)
@@ -82,9 +80,8 @@ def test_path_to_the_pyramid_carries_the_beat_from_the_start():
     with torch.no_grad():
         network(inputs)
     carried = held[0].mean((-2, -1)).double().numpy()
-    difference = carried[
-        :, 128 + 2
-    ]  # first pool, third channel: sum at one beta minus the other
+    # first pool, third channel: sum at one beta minus the other
+    difference = carried[:, 128 + 2]
     assert abs(np.corrcoef(difference, wraps)[0, 1]) > 0.95
 
 
@@ -121,7 +118,7 @@ def apply_statistics(norm, x):
 def test_dilated_kernels_have_their_gradient_in_mixed_precision():
     """Also where memory held large numbers before: the gradient must not read them."""
     torch.manual_seed(3)
-    layer = conv(64, 64, 3, relu=False, groups=64, dilation=4).eval()
+    layer = conv(64, 64, relu=False, groups=64, dilation=4).eval()
     image = torch.randn(2, 64, 32, 32).contiguous(memory_format=torch.channels_last)
     layer(image).square().mean().backward()
     exact = layer[0].weight.grad.clone()

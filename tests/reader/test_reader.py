@@ -208,10 +208,9 @@ def test_the_book_is_light():
     sizes = {file: file.stat().st_size for file in HTML.rglob("*") if file.is_file()}
     assert sum(sizes.values()) < 45e6
     for page in PAGES:
-        loads = re.findall(r'<img[^>]* src="([^"]+)"', page.read_text())
         images = {
             (page.parent / source).resolve()
-            for source in loads
+            for source in re.findall(r'<img[^>]* src="([^"]+)"', page.read_text())
             if "data:" not in source
         }
         assert sizes[page] + sum(image.stat().st_size for image in images) < 3e6, (

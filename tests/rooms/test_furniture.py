@@ -5,6 +5,7 @@ from itertools import combinations
 
 import numpy as np
 from pytest import approx, fixture, mark
+from vectors import unit
 
 from cmtof.correlation import TAU
 from cmtof_rooms.boxes import Box, Rectangle
@@ -50,12 +51,11 @@ def test_every_maker_and_every_pattern_is_used():
 
 
 @mark.parametrize("name", KINDS)
-def test_a_kind_is_closed_and_stays_within_its_size(name):
+def test_a_kind_is_closed_and_stays_within_its_size(name, rng):
     kind = KINDS[name]
-    kit = household(np.random.default_rng(5))
+    kit = household(rng)
     size = np.array([kit.between(*limits) for limits in kind["size"]])
-    place = Box.standing(size)
-    made = [*MAKERS[kind["maker"]](kit, place, **kind.get("make", {}))]
+    made = [*MAKERS[kind["maker"]](kit, Box.standing(size), **kind.get("make", {}))]
     tops = [one for one in made if isinstance(one, Top)]
     parts = [kit.part(*one) for one in made if not isinstance(one, Top | Light)]
     assert all(part.mesh.is_volume for part in parts)
@@ -76,10 +76,11 @@ def room(request):
 def standing(room):
     """Kind and bounds of what takes up space: all but rugs and what lies on something."""
     things = [room.interior.things[number - 1] for number in room.furniture]
-    kinds = [
-        thing for thing in things if KINDS[thing.kind]["at"] not in ("flat", "top")
+    return [
+        (thing.kind, *bounds(thing.parts))
+        for thing in things
+        if KINDS[thing.kind]["at"] not in ("flat", "top")
     ]
-    return [(thing.kind, *bounds(thing.parts)) for thing in kinds]
 
 
 def test_furniture_shares_no_space(room):
@@ -89,8 +90,7 @@ def test_furniture_shares_no_space(room):
 
 
 def test_furniture_stays_between_floor_ceiling_and_walls(room):
-    ends = [(floor.x1, floor.y1) for floor in room.floor]
-    corner = np.max(ends, axis=0)
+    corner = np.max([(floor.x1, floor.y1) for floor in room.floor], axis=0)
     for name, low, high in standing(room):
         on_floor = KINDS[name]["at"] in ("wall", "corner", "free", "around")
         assert -2e-3 < low[2] < (2e-3 if on_floor else 99), name
@@ -106,25 +106,21 @@ def test_furniture_stays_between_floor_ceiling_and_walls(room):
 def test_no_camera_stands_in_a_solid_or_close_to_a_surface(room):
     turn = np.linspace(0, TAU, 24, endpoint=False)
     tilt = 0.3 * np.sin(5 * turn)
-    rays = np.column_stack([np.cos(turn), np.sin(turn), tilt])
-    rays /= np.linalg.norm(rays, axis=1, keepdims=True)
-    rays = rays.astype(np.float32)
+    rays = unit(np.column_stack([np.cos(turn), np.sin(turn), tilt])).astype(np.float32)
     settings = Settings(SEED, height=48, width=64)
     poses = room.cameras(4, settings.lens(room.index))
     for pose in poses["cam_00"] + poses["cam_01"]:
-        start = np.full_like(rays, pose.position)
-        hits = room.interior.tracer.nearest(start, rays)
+        hits = room.interior.tracer.nearest(np.full_like(rays, pose.position), rays)
         met = hits.triangle >= 0
-        normals = room.interior.normals[hits.triangle[met]]
-        facing = np.vecdot(normals, rays[met])
+        facing = np.vecdot(room.interior.normals[hits.triangle[met]], rays[met])
         assert (facing > 0).mean() <= 0.1
         assert hits.distance[met].min() > 0.1
 
 
 @fixture(scope="module")
 def attics():
-    rngs = [np.random.default_rng(seed) for seed in range(40)]
-    return [build_shell(household(rng), ROOMS["attic"]) for rng in rngs]
+    kits = map(household, map(np.random.default_rng, range(40)))
+    return [build_shell(kit, ROOMS["attic"]) for kit in kits]
 
 
 def test_rooms_come_also_as_an_l_with_passages_and_by_night(attics):
@@ -143,10 +139,9 @@ def test_headroom_is_low_below_a_slope(attics):
 
 
 @mark.parametrize("pattern", PATTERNS)
-def test_a_pattern_mixes_two_colours_and_fades_with_distance(pattern):
-    mixed = Material((0.2,) * 3, (0.6,) * 3, pattern, 0.2)
-    palette = Palette([mixed])
-    points = np.random.default_rng(3).uniform(-2, 2, (4000, 3)).astype(np.float32)
+def test_a_pattern_mixes_two_colours_and_fades_with_distance(pattern, rng):
+    palette = Palette([Material((0.2,) * 3, (0.6,) * 3, pattern, 0.2)])
+    points = rng.uniform(-2, 2, (4000, 3)).astype(np.float32)
     up = np.full_like(points, [0, 0, 1])
     look = partial(palette.albedo, np.zeros(4000, int), points, up)
     near = look(np.zeros(4000, np.float32))[:, 0]

@@ -4,6 +4,7 @@ import numpy as np
 import pytest
 from numpy.testing import assert_allclose
 from pytest import approx, mark
+from vectors import unit
 
 from cmtof_rooms.bounce import measure_bounce
 from cmtof_rooms.cameras import Lens, look_at
@@ -50,8 +51,7 @@ def places(radius):
 def test_light_falls_with_the_distance_by_its_closed_form(light, exponent, rtol):
     radius = np.repeat([0.0, 0.5, 1.0, 3.0], 16)
     interior = Interior([floor()], [light], INSIDE)
-    sample = np.tile(np.arange(16), 4)
-    found = interior.direct(places(radius), up(radius), sample)[:, 1]
+    found = interior.direct(places(radius), up(radius), np.tile(np.arange(16), 4))[:, 1]
     away = radius[::16] ** 2 / 4
     expected = 3 / 4 / (1 + away) ** exponent
     assert_allclose(found.reshape(4, 16).mean(axis=1), expected, rtol=rtol)
@@ -67,23 +67,21 @@ def test_shadows_are_where_the_light_is_hidden():
     assert found[2] > 0.1
 
 
-def test_a_furnace_of_equal_radiance_one_gives_irradiance_one_to_all_sides():
+def test_a_furnace_of_equal_radiance_one_gives_irradiance_one_to_all_sides(rng):
     def look(origins, rays):
         return np.ones(origins.shape, np.float32), np.zeros(len(origins), bool)
 
     bounce = measure_bounce(np.array(INSIDE, np.float32), look)
-    normals = np.random.default_rng(1).normal(size=(50, 3))
-    normals /= np.linalg.norm(normals, axis=1, keepdims=True)
-    normals = normals.astype(np.float32)
+    normals = unit(rng.normal(size=(50, 3))).astype(np.float32)
     points = np.full_like(normals, [0.3, -0.2, 0.9])
     assert_allclose(bounce.irradiance(points, normals), 1.0, atol=0.03)
 
 
 @mark.parametrize("albedo", [0.0, 0.4, 0.8])
-def test_one_bounce_gives_no_more_than_reflectance_times_the_first_light(albedo):
+def test_one_bounce_gives_no_more_than_reflectance_times_the_first_light(albedo, rng):
     light = level_light((0, 0, 1.9), 0.2, 0.2, 1.0)
     interior = Interior([floor(albedo), floor(albedo, 2.5)], [light], INSIDE)
-    points = np.random.default_rng(0).uniform(-1, 1, (81, 3)).astype(np.float32)
+    points = rng.uniform(-1, 1, (81, 3)).astype(np.float32)
     points[:, 2] = 1.99
     scattered = interior.bounce.irradiance(points, -up(points))
     most = interior.direct(places([0.0]), up([0]))[0, 0]
@@ -93,7 +91,7 @@ def test_one_bounce_gives_no_more_than_reflectance_times_the_first_light(albedo)
 
 
 def test_only_what_is_lit_from_its_front_scatters_light():
-    interior = Interior([floor(0.5)], [level_light((0, 0, 2), 0.1, 0.1, 3.0)], INSIDE)
+    interior = Interior([floor()], [level_light((0, 0, 2), 0.1, 0.1, 3.0)], INSIDE)
     origins = np.zeros((3, 3), np.float32)
     origins[:, 2] = [1, -0.5, 1]
     rays = np.zeros_like(origins)
@@ -121,7 +119,7 @@ def test_range_of_a_plane_is_exact_to_single_precision():
 
 def test_radiance_is_reflectance_times_irradiance_plus_emission():
     interior = Interior([floor(0.3, emission=0.7)], [point_light(3.0)], INSIDE)
-    camera = look_at(np.array([0, 0.01, 1.0]), np.array([0.0, 0.0, 0.0]))
+    camera = look_at(np.array([0, 0.01, 1.0]), np.zeros(3))
     seen = interior.render(
         camera.position, Lens((9, 9), 900.0).rays(camera.orientation)
     )

@@ -4,6 +4,7 @@ from typing import NamedTuple
 
 import numpy as np
 from scipy.spatial.transform import Rotation
+from vectors import unit
 
 from cmtof.constants import FREQUENCIES
 from cmtof.correlation import phase_from_depth, wrap_length
@@ -36,8 +37,7 @@ class Scene(NamedTuple):
 
 
 def unit_rays(shape, camera=CAMERA):
-    rays = rays_from_camera(shape, camera)
-    return rays / np.linalg.norm(rays, axis=-1, keepdims=True)
+    return unit(rays_from_camera(shape, camera))
 
 
 def room_hits(rays):
@@ -64,7 +64,7 @@ def corner_scene(shape=SHAPE, camera=CAMERA):
     before, face = box_hits(level)
     depth = np.minimum(before, behind).reshape(shape)
     part = np.where(before < behind, 3 + face, side).reshape(shape)
-    return Scene(Frame(depth, painted(part), np.array(camera), "corner"), part)
+    return Scene(Frame(depth, painted(part), camera), part)
 
 
 def painted(part):
@@ -85,8 +85,7 @@ def plane_depth(normal=TILTED, z=2.5, shape=SHAPE, camera=CAMERA):
 
 def plane_frame(normal, intensity=1.0):
     depth, _ = plane_depth(normal)
-    light = np.broadcast_to(intensity, SHAPE)
-    return Frame(depth, light, np.array(CAMERA), "plane")
+    return Frame(depth, np.broadcast_to(intensity, SHAPE), CAMERA)
 
 
 def exact_field(depth, *, information=100.0, noise_of=None, camera=CAMERA):
@@ -104,10 +103,7 @@ def exact_field(depth, *, information=100.0, noise_of=None, camera=CAMERA):
         real, imaginary = noise_of.normal(size=(2, *told.shape))
         phasor += real + 1j * imaginary
     phasor *= size
-    return field._replace(
-        phasor=phasor.astype(np.complex64),
-        information=told,
-    )
+    return field._replace(phasor=phasor.astype(np.complex64), information=told)
 
 
 def whole_boxes(shape=SHAPE):
@@ -126,13 +122,7 @@ def meeting_planes():
     left, q = plane_depth((0.3, 0, 1))
     right, p = plane_depth((-0.3, 0, 1))
     field = exact_field(np.maximum(left, right))
-    aside, _ = move_surface(
-        field,
-        p,
-        whole_boxes(),
-        BENT,
-        3 * WRAP,
-    )
+    aside, _ = move_surface(field, p, whole_boxes(), BENT, 3 * WRAP)
     return field, np.stack([q, aside])
 
 

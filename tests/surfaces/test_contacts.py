@@ -14,6 +14,7 @@ from exact_scenes import (
 )
 from numpy.testing import assert_allclose, assert_array_equal
 from pytest import approx, mark
+from scipy.special import softmax
 
 from cmtof.surfaces import contacts
 from cmtof.surfaces.fitting import move_surface
@@ -51,8 +52,7 @@ def test_a_border_counts_the_departure_of_its_pixels():
     field = exact_field(depth + wave)
     aside, _ = move_surface(field, q, whole_boxes(), BENT, -0.4 * WRAP)
     for other in (q, aside):
-        found = contacts.borders(field, SIDES, np.stack([q, other]))
-        assert found.step == [0]
+        assert contacts.borders(field, SIDES, np.stack([q, other])).step == [0]
 
 
 @mark.parametrize("borders", [[(0, 1, 2, 0.7), (1, 2, -1, 0.4)], [(0, 2, 1, 0.9)]])
@@ -74,11 +74,8 @@ def joint_odds(alone, borders):
     wraps = np.rint(alone.mean)[:, None] + np.arange(-4, 5)
     spread = np.hypot(alone.spread, contacts._UNSEEN)
     off = (wraps - alone.mean[:, None]) / spread[:, None]
-    density = np.exp(-(off**2) / 2)
-    density /= density.sum(axis=1, keepdims=True)
-    density += contacts._STRAY / 9
-    density /= density.sum(axis=1, keepdims=True)
-    before = np.einsum("i,j,k->ijk", *density)
+    density = softmax(-(off**2) / 2, axis=1) + contacts._STRAY / 9
+    before = np.einsum("i,j,k->ijk", *density / (1 + contacts._STRAY))
     together = np.meshgrid(*wraps, indexing="ij")
     joint = before.copy()
     for a, b, step, odds in borders:

@@ -113,8 +113,7 @@ def test_fits_climb_back_to_a_tilted_plane(normal, rng):
     field = field_of(depth)
     tilt = rng.uniform(-1, 1, 3) / 21 * [3.6, 4.5, 1]
     start[:3] += tilt * WRAP / depth.max() ** 2
-    got = refine(field, WHOLE, start, PLANE, 8, 0)
-    assert misses(field, got.q, depth)[0] < 1e-6
+    assert misses(field, refine(field, WHOLE, start, PLANE, 8, 0).q, depth)[0] < 1e-6
 
 
 @mark.parametrize("wraps", [1, 5])
@@ -124,8 +123,7 @@ def test_fits_hop_over_whole_wraps(wraps):
     field = field_of(depth)
     start, _ = move_surface(field, q, BOXES, PLANE, wraps * WRAP)
     assert np.mean(depth_of(field, start) - depth) == approx(wraps * WRAP, rel=0.02)
-    got = refine(field, WHOLE, start, PLANE, 8)
-    assert misses(field, got.q, depth)[0] < 1e-6
+    assert misses(field, refine(field, WHOLE, start, PLANE, 8).q, depth)[0] < 1e-6
 
 
 @mark.parametrize("turns", [0, 1])  # a pixel that the start is off
@@ -161,9 +159,8 @@ def test_balls_are_called_bent(radius, rng):
     assert misses(field, fit.q, depth)[1] < 1e-4
 
 
-def test_the_offset_scatters_as_predicted():
+def test_the_offset_scatters_as_predicted(rng):
     """Sixty draws give a deviation to 9 % and a mean to 0.13 of it: three sigma each."""
-    rng = np.random.default_rng(8)
     depth, q = plane_depth()
     whole = region_of_boxes(whole_boxes())
     found = []
