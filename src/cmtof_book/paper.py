@@ -25,8 +25,8 @@ _SIGNS = {"eq": "", "approx": "≈ ", "lt": "< ", "gt": "> "}
 @cache
 def published_numbers() -> dict[str, Published]:
     """Every published number by its key, in the order of the paper."""
-    text = Path(__file__).with_name("paper.yml").read_text("utf-8")
-    document = yaml.safe_load(text)
+    stored = Path(__file__).with_name("paper.yml")
+    document = yaml.safe_load(stored.read_text("utf-8"))
     known = document.pop("_dependencies")
     numbers = {}
     for name, held in document.items():

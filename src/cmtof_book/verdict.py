@@ -100,8 +100,11 @@ class Score:
     ) -> "Score":
         """From one number of ours, or several by their case; what is not finite is left out."""
         given = value if isinstance(value, Mapping) else {"": value}
-        cases = {case: np.broadcast_to(one, 3).tolist() for case, one in given.items()}
-        finite = {case: one for case, one in cases.items() if np.isfinite(one).all()}
+        finite = {
+            case: np.broadcast_to(one, 3).tolist()
+            for case, one in given.items()
+            if np.isfinite(one).all()
+        }
         return cls(number, finite, **about)
 
     @property
@@ -130,9 +133,9 @@ class Score:
     @property
     def untested(self) -> str:
         """Why nothing can be said, if so."""
-        small = [one.ours for one in self.differing if one.name == "sizes"]
-        missing = [] if self.cases else ["No chapter computes it."]
-        return next(filter(None, [self.number.untested, *missing, *small]), "")
+        if self.number.untested or not self.cases:
+            return self.number.untested or "No chapter computes it."
+        return next((one.ours for one in self.differing if one.name == "sizes"), "")
 
     @property
     def verdict(self) -> str:
