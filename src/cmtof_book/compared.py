@@ -62,7 +62,7 @@ class Compared:
             return False
         if self.kind == "decision":
             return bool(np.all(found >= self.at_least))
-        return bool(np.all(np.abs(found - self.value) <= self.tolerance(error)))
+        return np.allclose(found, self.value, rtol=0, atol=self.tolerance(error))
 
 
 def closed_form(value: ArrayLike) -> Compared:

@@ -60,19 +60,13 @@ def comparison_figure(scene: Scene, labels: Sequence[str]) -> Figure:
     figure, axes = grid(2 + len(labels), 3, height / width)
     light, truth, *others = axes
     brightness = np.sqrt(np.clip(np.nan_to_num(scene.frame.intensity), 0, 1))
-    image(light, brightness, label="", cmap="gray", title="the room", bar=False)
-    image(
-        truth,
-        scene.count(),
-        label="",
-        limits=scene.limits,
-        title="true wraps",
-        bar=False,
-    )
+    image(light, brightness, cmap="gray", title="the room", bar=False)
+    wraps = scene.count()
+    image(truth, wraps, limits=scene.limits, title="true wraps", bar=False)
     for ax, label in zip(others, labels, strict=True):
         title = f"{label}: {100 * scene.right(label):.0f} %"
-        look = {"cmap": "magma", "limits": (0, WORST), "bar": False}
-        image(ax, scene.error(label), label="", title=title, **look)
+        error = scene.error(label)
+        image(ax, error, title=title, cmap="magma", limits=(0, WORST), bar=False)
     figure.colorbar(others[0].images[0], ax=axes[:6], label="wraps off")
     return figure
 
