@@ -93,11 +93,8 @@ def grid(count: int, columns: int, aspect: float) -> tuple[Figure, list[Axes]]:
     """So many panels in columns, of height over width, with space for titles and a colour bar."""
     rows = -(-count // columns)
     height = rows * ((WIDTH - 0.9) / columns * aspect + 0.35)
-    fig, made = plt.subplots(rows, columns, figsize=(WIDTH, height), squeeze=False)
-    axes = made.ravel().tolist()
-    for ax in axes[count:]:
-        ax.remove()
-    return fig, axes[:count]
+    fig = plt.figure(figsize=(WIDTH, height))
+    return fig, [fig.add_subplot(rows, columns, n + 1) for n in range(count)]
 
 
 def colour_bar(drawn: AxesImage, *, label: str, **where: Any) -> None:
