@@ -48,10 +48,9 @@ class Claim(NamedTuple):
 
     def left_open(self, behind: Iterable[Score]) -> list[str]:
         """What our numbers leave undecided, with the names of those where there are several."""
-        names: dict[str, list[str]] = {}
+        names = defaultdict(list)
         for one in behind:
-            called = self.about["keys"][one.number.key]
-            names.setdefault(one.undecided, []).append(called)
+            names[one.undecided].append(self.about["keys"][one.number.key])
         return [
             sentence(f"{' and '.join(called)}: {text}".removeprefix(": "))
             for text, called in names.items()
@@ -80,7 +79,7 @@ def claims(scores: Scores) -> list[Claim]:
 
 def numbers_of(scores: Scores, records: Iterable[Record]) -> Values:
     """All numbers of a build, as the texts of ``claims.yml`` name them."""
-    results: defaultdict[str, str] = defaultdict(lambda: "(not computed)")
+    results = defaultdict(lambda: "(not computed)")
     for key, score in scores.items():
         unit = score.number.unit
         for place, one in enumerate(score.cases.values()):
@@ -117,6 +116,7 @@ def texts(scores: Scores, records: list[Record]) -> Texts:
     }
     drawn = {record.name: record.content for record in records}
     for claim in every:
-        figure = drawn[claim.about["figure"]]
-        made[f"claims/{claim.name}"] = page("claim", claim=claim, drawn=figure)
+        made[f"claims/{claim.name}"] = page(
+            "claim", claim=claim, drawn=drawn[claim.about["figure"]]
+        )
     return made

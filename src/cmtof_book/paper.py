@@ -87,10 +87,10 @@ def table() -> None:
     """Show what a chapter has checked so far: the paper's number, ours, the verdict."""
     rows = []
     for key, held in record.read(record.PAPER).items():
-        score = Score(published_number(key), held["cases"])
-        what = f"{score.number.where}, {score.number.what}"
-        paper = published_text(score.number)
-        rows.append([what, paper, result_text(score), held["verdict"]])
+        number = published_number(key)
+        what = f"{number.where}, {number.what}"
+        ours = result_text(Score(number, held["cases"]))
+        rows.append([what, published_text(number), ours, held["verdict"]])
     verdicts = Counter(row[-1] for row in rows)
     said = ", ".join(f"{count} {name}" for name, count in verdicts.most_common())
     fold = f"{len(rows)} numbers: {said}" if len(rows) > 12 else ""
@@ -106,9 +106,8 @@ def published_text(number: Published) -> str:
 
 def result_text(score: Score, digits: int = 4) -> str:
     """Our numbers with their intervals, each with its case; so many digits where exact."""
-    unit = score.number.unit
     texts = [
-        f"{estimate_text(one, unit, digits)} {case}".strip()
+        f"{estimate_text(one, score.number.unit, digits)} {case}".strip()
         for case, one in score.cases.items()
     ]
     return "; ".join(texts) or "not finite"

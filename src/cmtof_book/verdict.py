@@ -5,6 +5,7 @@ differs and everything that it depends on is the paper's; *open* otherwise. A se
 or *changed*. What nobody can compare is *untested*.
 """
 
+from collections import defaultdict
 from collections.abc import Mapping, Sequence
 from dataclasses import field
 from typing import Any, Literal, NamedTuple
@@ -75,13 +76,14 @@ class Published:
         if sign := {"lt": 1, "gt": -1}.get(self.relation):
             met = [sign * (end - self.value) < self.tolerance for end in ours[1:]]
             return "inside" if all(met) else "undecided" if any(met) else "outside"
+        value, low, high = ours
         # the slack keeps a value on the very edge from failing by the last bit of a float
-        slack = self.tolerance + 4e-16 * (abs(ours.value) + abs(self.value))
-        if max(ours.low - self.value, self.value - ours.high) > slack:
+        slack = self.tolerance + 4e-16 * (abs(value) + abs(self.value))
+        if max(low - self.value, self.value - high) > slack:
             return "outside"
-        widest = min(WIDEST * self.tolerance, (WIDEST - 1) * abs(ours.low))
-        near = abs(ours.value - self.value) <= slack
-        return "inside" if near and ours.high - ours.low <= widest else "undecided"
+        widest = min(WIDEST * self.tolerance, (WIDEST - 1) * abs(low))
+        near = abs(value - self.value) <= slack
+        return "inside" if near and high - low <= widest else "undecided"
 
 
 @dataclass(frozen=True)
@@ -110,9 +112,9 @@ class Score:
     @property
     def places(self) -> dict[str, list[str]]:
         """Our cases by their place beside the paper's number."""
-        places: dict[str, list[str]] = {}
+        places = defaultdict(list)
         for case, one in self.cases.items():
-            places.setdefault(self.number.place_of(one), []).append(case)
+            places[self.number.place_of(one)].append(case)
         return places
 
     def has_papers(self, one: Dependency) -> bool:
