@@ -59,10 +59,9 @@ def comparison_figure(scene: Scene, labels: Sequence[str]) -> Figure:
     height, width = scene.measurement.shape
     figure, axes = grid(2 + len(labels), 3, height / width)
     light, truth, *others = axes
-    brightness = np.sqrt(np.clip(np.nan_to_num(scene.frame.intensity), 0, 1))
+    brightness = np.sqrt(np.minimum(scene.frame.intensity, 1))
     image(light, brightness, cmap="gray", title="the room", bar=False)
-    wraps = scene.count()
-    image(truth, wraps, limits=scene.limits, title="true wraps", bar=False)
+    image(truth, scene.count(), limits=scene.limits, title="true wraps", bar=False)
     for ax, label in zip(others, labels, strict=True):
         title = f"{label}: {100 * scene.right(label):.0f} %"
         error = scene.error(label)

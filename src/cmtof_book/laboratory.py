@@ -73,7 +73,7 @@ def packed_scene(frame: Frame) -> Values:
         slice((n - (m := min(n, SIDE))) // 2, (n + m) // 2) for n in measured.shape
     )
     depth = np.nan_to_num(np.asarray(measured.depth)[place])
-    light = np.clip(np.nan_to_num(frame.intensity[place]), 0, 1)
+    light = np.minimum(frame.intensity[place], 1)
     height, width = depth.shape
     return {
         "width": width,
@@ -96,11 +96,11 @@ def write(folder: Path) -> None:
     phases = np.concatenate(simulate(room, seed=0).phase)
     np.savetxt(folder / "example.csv", phases, "%.3f", ",")
     drawn = {name: packed_scene(frame) for name, frame in scenes().items()}
-    held = {
+    runtime = {
         key: letters((RUNTIME / f"{name}.gz").read_bytes())
         for key, name in SCRIPTS.items()
     }
-    held["model"] = pack(light_network())
-    for name, data in (("scenes", drawn), ("runtime", held)):
+    runtime["model"] = pack(light_network())
+    for name, data in {"scenes": drawn, "runtime": runtime}.items():
         text = f"laboratory.{name} = {json.dumps(data)};\n"
         (folder / f"{name}.js").write_text(text, "utf-8")
