@@ -43,7 +43,7 @@ def table(
         for column in zip(*texts, strict=True)
     ]
     lines = [titles, [":--", *sides[1:]], *texts]
-    text = "\n".join("| " + " | ".join(line) + " |" for line in lines)
+    text = "\n".join(f"| {' | '.join(line)} |" for line in lines)
     text = POWER.sub("\\1\u00a0×\u00a010<sup>\\2\\3</sup>", text)
     text = re.sub(r"(?<![\w`-])-(?=\d)", "−", text)
     text = re.sub(r" ([<≥]) ", "\u00a0\\1\u00a0", text)

@@ -42,7 +42,7 @@ def place_shown(notebook: Any, stem: str) -> None:
 
     The answer is repeated at the head. What a reader moves needs no frame on a page.
     """
-    cells: list[Any] = []
+    cells = []
     for cell in notebook.cells:
         figures = []
         said = []
@@ -90,7 +90,7 @@ def lead_with_figure(notebook: Any) -> None:
 
 def join_folded(notebook: Any) -> None:
     """Join neighbouring cells whose source is folded and that show nothing between into one."""
-    cells: list[Any] = []
+    cells = []
     for cell in notebook.cells:
         if "injected-parameters" in _tags(cell):
             continue  # they stand at the end of the page

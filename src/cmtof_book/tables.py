@@ -49,8 +49,8 @@ class Row(NamedTuple):
 
     def is_counted(self, held: Values) -> bool:
         """Whether these weights were counted before."""
-        names = {name for frame in held["frames"] for name in frame["methods"]}
-        return self.name in names and held["weights"].get(self.name, "") == self.weights
+        counted = any(self.name in frame["methods"] for frame in held["frames"])
+        return counted and held["weights"].get(self.name, "") == self.weights
 
 
 def rows_of_methods(methods: Sequence[str], protocol: str) -> Iterator[Row]:

@@ -56,8 +56,11 @@ def save_scene(
     Neighbours further apart than ``longest``, m, are not joined; ``eye`` (3,), m, is where they are
     seen from. Points are x right, y down, z forward, NaN for none.
     """
-    packed = {label: layer.pack(step) for label, layer in layers.items()}
-    about = {"longest": step * longest, "eye": eye, "layers": packed}
+    about = {
+        "longest": step * longest,
+        "eye": eye,
+        "layers": {label: layer.pack(step) for label, layer in layers.items()},
+    }
     with atomic_output(output_folder() / f"{name}.js") as part:
         part.write_text(
             f"cmtofScene({json.dumps(name)}, {json.dumps(about)});\n", "utf-8"
@@ -110,4 +113,4 @@ def _draw_still(layer: Layer, longest: float, eye: tuple) -> Array:
     )
     plotter.enable_anti_aliasing("ssaa")
     plotter.camera.tight()
-    return np.asarray(plotter.screenshot(None, return_img=True)) / 255
+    return np.asarray(plotter.screenshot()) / 255
