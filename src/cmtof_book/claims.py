@@ -37,8 +37,9 @@ class Claim(NamedTuple):
         behind = [one for one in self.scores if one.verdict == self.outcome]
         if self.outcome == "untested":
             return behind[0].reason
-        differing = (one.short for score in behind for one in score.differing)
-        told = ", ".join(dict.fromkeys(differing))
+        told = ", ".join(
+            dict.fromkeys(one.short for score in behind for one in score.differing)
+        )
         if told and self.outcome == "reproduced":
             return f"It holds although {told} differ or are not stated."
         lines = self.left_open(behind)
@@ -60,7 +61,7 @@ class Claim(NamedTuple):
     @property
     def dependencies(self) -> dict[str, bool]:
         """What we have of each thing on which its numbers depend, and whether it is the paper's."""
-        held: dict[str, tuple[str, bool]] = {}
+        held = {}
         for score in sorted(self.scores, key=lambda one: not one.chapter):
             for one in score.number.depends:
                 is_papers = score.has_papers(one)

@@ -6,7 +6,7 @@ A notebook calls `check` for each number of ``paper.yml`` that it touches; the v
 
 import math
 from collections import Counter
-from collections.abc import Mapping
+from collections.abc import Iterator, Mapping
 from functools import cache
 from pathlib import Path
 from typing import Any
@@ -32,23 +32,25 @@ def published_numbers() -> dict[str, Published]:
     for name, held in document.items():
         if name[0] != "_":
             depends = [Dependency(one, **known[one]) for one in held.get("depends", ())]
-            numbers |= _numbers_of(name, held | {"depends": depends})
+            for one in _numbers_of(name, held | {"depends": depends}):
+                numbers[one.key] = one
     return numbers
 
 
-def _numbers_of(name: str, held: Values) -> dict[str, Published]:
-    """Numbers of an entry by key; a row of a table has some, by the keys of its columns."""
-    numbers = {}
+def _numbers_of(name: str, held: Values) -> Iterator[Published]:
+    """Numbers of an entry; a row of a table has some, whose keys end in those of its columns."""
     columns = held.get("columns") or {"": ""}
     values = np.atleast_1d(held["value"]).tolist()
     for (column, title), value in zip(columns.items(), values, strict=True):
         scale = {"absolute": 1.0, "relative": abs(value)}
         allowed = [scale[kind] * size for kind, size in held["tolerance"].items()]
-        key = f"{name}.{column}".rstrip(".")
-        what = f"{held['what']}, {title}".rstrip(", ")
-        own = {"key": key, "value": value, "what": what, "tolerance": min(allowed)}
-        numbers[key] = Published(**held | own)
-    return numbers
+        own = {
+            "key": f"{name}.{column}".rstrip("."),
+            "value": value,
+            "what": f"{held['what']}, {title}".rstrip(", "),
+            "tolerance": min(allowed),
+        }
+        yield Published(**held | own)
 
 
 def published_number(key: str) -> Published:
@@ -65,7 +67,7 @@ def check(
     interval; several by their case, such as «with photon noise alone», all decide. ``crops`` is how
     many a network was trained on. The standard error of a sum over draws gives its interval.
     """
-    kind: Values = {}
+    kind = {}
     given: Any = value
     if isinstance(value, Compared):
         kind = value.record()

@@ -39,14 +39,14 @@ def scores_in(records: Iterable[Record]) -> Scores:
     found = {}
     for record in records:
         for key, held in record.numbers.items() if record.name == PAPER else ():
-            score = Score(
-                numbers[key],
-                held["cases"],
-                profile=record.content["provenance"]["profile"],
-                crops=held["crops"],
-                chapter=record.chapter,
-            )
-            found.setdefault(key, score)
+            if key not in found:
+                found[key] = Score(
+                    numbers[key],
+                    held["cases"],
+                    profile=record.content["provenance"]["profile"],
+                    crops=held["crops"],
+                    chapter=record.chapter,
+                )
     return {key: Score(number) for key, number in numbers.items()} | found
 
 
