@@ -100,7 +100,7 @@ def store() -> None:
     from cmtof.methods import METHODS
     from cmtof_book.provenance import processor, write_json
 
-    found: Values = {name: {} for name in METHODS}
+    found = {name: {} for name in METHODS}
     for protocol, (name, method) in product(("released", "full"), METHODS.items()):
         if method.state(protocol) not in ("untrained", "no weights"):
             with get_context("spawn").Pool(1) as pool:

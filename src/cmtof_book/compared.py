@@ -61,7 +61,7 @@ class Compared:
         if found.shape != np.shape(self.value):
             return False
         if self.kind == "decision":
-            return bool(np.all(found >= self.at_least))
+            return bool((found >= self.at_least).all())
         return np.allclose(found, self.value, rtol=0, atol=self.tolerance(error))
 
 

@@ -70,7 +70,7 @@ def with_uneven_walls(frame: Frame, number: int, waves: bool) -> Frame:
     """The frame as the released protocol scales it, with uneven walls."""
     rng = np.random.default_rng(number)
     tones = np.array(FREQUENCIES)
-    depth, *_ = staged_depth(frame.depth, protocol="released", frequencies=tones)
+    depth = staged_depth(frame.depth, protocol="released", frequencies=tones)[0]
     off = rng.standard_normal(depth.shape)
     size = 0.12
     if waves:

@@ -54,9 +54,8 @@ def execute(script: Path, parameters: Values, result: Path) -> None:
         progress_bar=False,
         start_timeout=600,  # s; a busy machine takes more than the usual minute
     )
-    executed.metadata[
-        "cmtof"
-    ] = {  # what the last block of the page tells about this run
+    # what the last block of the page tells about this run
+    executed.metadata["cmtof"] = {
         "parameters": {**defaults, **parameters},
         "version": metadata.version("cmtof"),
         "commit": subprocess.getoutput(COMMIT),

@@ -4,7 +4,7 @@ import re
 from collections.abc import Iterable, Sequence
 from inspect import cleandoc
 
-from cmtof_book import record
+from cmtof_book import Values, record
 
 NUMBER = re.compile(r"\W*(\d|inf|nan|$)")
 POWER = re.compile(r"(?<![\w`])(\d[\d.]*)e\+?(-?)0*(\d+)\b")
@@ -20,7 +20,7 @@ def answer(text: str, **numbers: float | str) -> None:
     _show(text, "answer", numbers)
 
 
-def _show(text: str, kind: str, numbers: dict[str, float | str]) -> None:
+def _show(text: str, kind: str, numbers: Values) -> None:
     record.add(record.TEXT, numbers)
     record.show({"text/markdown": cleandoc(text).format(**numbers)}, kind)
 

@@ -25,10 +25,10 @@ from PIL import Image
 
 from cmtof.correlation import TAU
 from cmtof.files import atomic_output
-from cmtof.types import Named, Pair, Texts
+from cmtof.types import Named, Pair
 from cmtof_book import provenance, record
 
-PALETTE: Texts = {  # in the order in which lines take them
+PALETTE = {  # in the order in which lines take them
     "blue": "#0072B2",
     "vermillion": "#D55E00",
     "green": "#009E73",
@@ -151,7 +151,7 @@ def sweep(
 
 def intervals(
     ax: Axes,
-    rows: Mapping[str, tuple[float, float, float]],
+    rows: Mapping[str, Sequence[float]],
     *,
     colors: Mapping[str, str],
     published: Mapping[str, float],
@@ -259,10 +259,9 @@ def save(
     if plotted := [*points(fig)]:
         with target.with_suffix(".csv").open("w", newline="", encoding="utf-8") as file:
             csv.writer(file).writerows([("panel", "line", "x", "y"), *plotted])
-    # without it a drawing would carry the date and the version of the library that drew it
-    undated = {"Date": None, "Creator": None}
     with atomic_output(target) as part:
-        fig.savefig(part, format=format, metadata=undated)
+        # a drawing would else carry the date and the version of the library that drew it
+        fig.savefig(part, format=format, metadata={"Date": None, "Creator": None})
         if format == "png":  # which stores pixels alone
             _save_space(part)
     plt.close(fig)

@@ -78,7 +78,7 @@ def lead_with_figure(notebook: Any) -> None:
     place = next(
         (n for n, c in enumerate(cells) if "figure" in c.metadata.get("mystnb", {})), 0
     )
-    texts = [n for n in range(place) if cells[n].cell_type == "markdown"]
+    texts = [cell for cell in cells[:place] if cell.cell_type == "markdown"]
     if texts:
         figure = cells.pop(place)
         cells.insert(1, figure)

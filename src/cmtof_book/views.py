@@ -49,7 +49,7 @@ class Layer(NamedTuple):
 
 
 def save_scene(
-    name: str, layers: Mapping[str, Layer], *, longest: float, eye: tuple, step: int = 1
+    name: str, layers: Mapping[str, Layer], *, longest: float, eye: tuple, step: int
 ) -> None:
     """Write surfaces by name to ``name.js``, of every so many points.
 
