@@ -8,7 +8,7 @@ ROOT = Path(__file__).resolve().parents[2]  # folder of the checkout
 Values = dict[str, Any]  # what is stored, shown or set, by its name
 
 # Folder of what is computed once, for chapters to read
-RESULTS = ROOT / "book" / "results"
+RESULTS = ROOT / "book/results"
 
 # Variables that say how many threads numbers are computed on.
 THREADS = ("OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS", "NUMBA_NUM_THREADS")

@@ -7,12 +7,12 @@ one thread, go where chapter 10 reads them; memory is the peak above what the pr
 (Linux).
 """
 
-import multiprocessing
 import os
 import sys
 from collections.abc import Callable
 from functools import partial
 from itertools import product
+from multiprocessing import get_context
 from pathlib import Path
 from statistics import median
 from time import process_time
@@ -49,13 +49,12 @@ def large_frame() -> Any:
 def ratios() -> None:
     """Print every ratio."""
     from cmtof.correlation import decode
-    from cmtof.simulation import simulate
+    from cmtof.simulation import QUADRATURES, simulate
 
     rng = np.random.default_rng(0)
     simulated = partial(simulate, large_frame(), protocol="full")
     stack = simulated(seed=0).dataset["correlation"].to_numpy()
-    psi = np.tile(np.arange(4) * np.pi / 2, (2, 1))
-    fast = seconds(lambda: decode(stack, psi))
+    fast = seconds(lambda: decode(stack, QUADRATURES))
     print(
         f"decode (2, 4, 768, 1024) float32 / copy: {fast / seconds(stack.copy):.2f}, goal < 4"
     )
@@ -82,9 +81,8 @@ def cost(method: str, protocol: str) -> Values:
     before = _memory("VmRSS")
     start = process_time()
     cmtof.unwrap(measurement, method=method)
-    taken = process_time() - start
     return {
-        "seconds": round(taken, 3),
+        "seconds": round(process_time() - start, 3),
         "megabytes": round(_memory("VmHWM") - before, 1),
     }
 
@@ -102,20 +100,18 @@ def store() -> None:
     from cmtof.methods import METHODS
     from cmtof_book.provenance import processor, write_json
 
-    found: Values = {name: {} for name in METHODS}
-    spawn = multiprocessing.get_context("spawn")
+    found = {name: {} for name in METHODS}
     for protocol, (name, method) in product(("released", "full"), METHODS.items()):
         if method.state(protocol) not in ("untrained", "no weights"):
-            with spawn.Pool(1) as pool:
+            with get_context("spawn").Pool(1) as pool:
                 found[name][protocol] = pool.apply(cost, (name, protocol))
             print(protocol, name, found[name], flush=True)
-    held = {
+    about = {
         "command": "python -m cmtof_book.benchmarks --store",
         "version": __version__,
         "machine": f"one thread of {processor()}",
-        "methods": found,
     }
-    write_json(STORE, held)
+    write_json(STORE, about | {"methods": found})
 
 
 if __name__ == "__main__":

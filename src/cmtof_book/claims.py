@@ -3,7 +3,7 @@
 import re
 from collections import defaultdict
 from collections.abc import Iterable
-from functools import cache, partial
+from functools import partial
 from pathlib import Path
 from typing import NamedTuple
 
@@ -15,6 +15,7 @@ from cmtof_book.record import Record
 from cmtof_book.scoreboard import Scores
 from cmtof_book.verdict import RANK, Score, sentence
 
+DOCUMENT = read_document(Path(__file__).with_name("claims.yml"))
 UNIT = re.compile(r"(?<=\d) (?=[%µ]|[GM]?Hz|rad|points|[fkmp]?[ms]\b)")
 
 
@@ -36,8 +37,9 @@ class Claim(NamedTuple):
         behind = [one for one in self.scores if one.verdict == self.outcome]
         if self.outcome == "untested":
             return behind[0].reason
-        differing = [one.short for score in behind for one in score.differing]
-        told = ", ".join(dict.fromkeys(differing))
+        told = ", ".join(
+            dict.fromkeys(one.short for score in behind for one in score.differing)
+        )
         if told and self.outcome == "reproduced":
             return f"It holds although {told} differ or are not stated."
         lines = self.left_open(behind)
@@ -47,20 +49,19 @@ class Claim(NamedTuple):
 
     def left_open(self, behind: Iterable[Score]) -> list[str]:
         """What our numbers leave undecided, with the names of those where there are several."""
-        names: dict[str, list[str]] = {}
+        names = defaultdict(list)
         for one in behind:
-            called = self.about["keys"][one.number.key]
-            names.setdefault(one.undecided, []).append(called)
-        names.pop("", None)
+            names[one.undecided].append(self.about["keys"][one.number.key])
         return [
             sentence(f"{' and '.join(called)}: {text}".removeprefix(": "))
             for text, called in names.items()
+            if text
         ]
 
     @property
     def dependencies(self) -> dict[str, bool]:
         """What we have of each thing on which its numbers depend, and whether it is the paper's."""
-        held: dict[str, tuple[str, bool]] = {}
+        held = {}
         for score in sorted(self.scores, key=lambda one: not one.chapter):
             for one in score.number.depends:
                 is_papers = score.has_papers(one)
@@ -69,34 +70,30 @@ class Claim(NamedTuple):
         return dict(held.values())
 
 
-@cache
-def _document() -> Values:
-    return read_document(Path(__file__).with_name("claims.yml"))
-
-
 def claims(scores: Scores) -> list[Claim]:
     """The ten claims, in the order of the paper."""
     return [
         Claim(name, held, [scores[key] for key in held["keys"]])
-        for name, held in _document()["claims"].items()
+        for name, held in DOCUMENT["claims"].items()
     ]
 
 
 def numbers_of(scores: Scores, records: Iterable[Record]) -> Values:
     """All numbers of a build, as the texts of ``claims.yml`` name them."""
-    results: defaultdict[str, str] = defaultdict(lambda: "(not computed)")
+    results = defaultdict(lambda: "(not computed)")
     for key, score in scores.items():
         unit = score.number.unit
         for place, one in enumerate(score.cases.values()):
             results[key] = result_text(score, 3)
             results[f"{key}@{place}"] = estimate_text(one, unit, 3)
             results[f"{key}@{place} alone"] = quantity_text(one.value, unit, 3)
-    figures = {}
-    for record in records:
-        figures[f"{record.chapter}/{record.name}"] = {
+    figures = {
+        f"{record.chapter}/{record.name}": {
             name: one["value"] if isinstance(one, dict) and "kind" in one else one
             for name, one in record.numbers.items()
         }
+        for record in records
+    }
     return {"p": results, "f": figures}
 
 
@@ -112,16 +109,15 @@ def texts(scores: Scores, records: list[Record]) -> Texts:
     The table has each claim, our answer, the verdict and why. A claim's figure is that of a build.
     """
     fill = partial(fill_in, numbers=numbers_of(scores, records))
+    page = partial(pages.page, fill=fill)
     every = claims(scores)
-    found = _document()["findings"]
     made = {
-        "claims": pages.page("claims", claims=every, fill=fill),
-        "findings": pages.page("findings", findings=found, fill=fill),
+        "claims": page("claims", claims=every),
+        "findings": page("findings", findings=DOCUMENT["findings"]),
     }
     drawn = {record.name: record.content for record in records}
     for claim in every:
-        figure = drawn[claim.about["figure"]]
-        made[f"claims/{claim.name}"] = pages.page(
-            "claim", claim=claim, drawn=figure, fill=fill
+        made[f"claims/{claim.name}"] = page(
+            "claim", claim=claim, drawn=drawn[claim.about["figure"]]
         )
     return made

@@ -61,8 +61,8 @@ class Compared:
         if found.shape != np.shape(self.value):
             return False
         if self.kind == "decision":
-            return bool(np.all(found >= self.at_least))
-        return bool(np.all(np.abs(found - self.value) <= self.tolerance(error)))
+            return bool((found >= self.at_least).all())
+        return np.allclose(found, self.value, rtol=0, atol=self.tolerance(error))
 
 
 def closed_form(value: ArrayLike) -> Compared:

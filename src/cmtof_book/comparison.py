@@ -59,20 +59,13 @@ def comparison_figure(scene: Scene, labels: Sequence[str]) -> Figure:
     height, width = scene.measurement.shape
     figure, axes = grid(2 + len(labels), 3, height / width)
     light, truth, *others = axes
-    brightness = np.sqrt(np.clip(np.nan_to_num(scene.frame.intensity), 0, 1))
-    image(light, brightness, label="", cmap="gray", title="the room", bar=False)
-    image(
-        truth,
-        scene.count(),
-        label="",
-        limits=scene.limits,
-        title="true wraps",
-        bar=False,
-    )
+    brightness = np.sqrt(np.minimum(scene.frame.intensity, 1))
+    image(light, brightness, cmap="gray", title="the room", bar=False)
+    image(truth, scene.count(), limits=scene.limits, title="true wraps", bar=False)
     for ax, label in zip(others, labels, strict=True):
         title = f"{label}: {100 * scene.right(label):.0f} %"
-        look = {"cmap": "magma", "limits": (0, WORST), "bar": False}
-        image(ax, scene.error(label), label="", title=title, **look)
+        error = scene.error(label)
+        image(ax, error, title=title, cmap="magma", limits=(0, WORST), bar=False)
     figure.colorbar(others[0].images[0], ax=axes[:6], label="wraps off")
     return figure
 
@@ -80,21 +73,21 @@ def comparison_figure(scene: Scene, labels: Sequence[str]) -> Figure:
 def show_swipe(scene: Scene, left: str, right: str) -> None:
     """Put the wraps by two methods on the page, left and right of a divider."""
     pictures = [*_pictures(scene, left, ""), *_pictures(scene, right, "over")]
-    sides = f"{_share(scene, left)} at the left, {_share(scene, right)} at the right"
+    first, second = (
+        f"<code>{label}</code> ({100 * scene.right(label):.0f} % right)"
+        for label in (left, right)
+    )
     wrap = 1e3 * wrap_length(scene.measurement.frequencies[0])
     live.show(
         f'<figure class="swipe" data-wrap="{wrap}" data-names=\'{json.dumps([left, right])}\'>'
         f"<div>{''.join(pictures)}{_image(_encode_wraps(scene, left, right), 'told')}"
         f'<input type="range" aria-label="Divider: {left} at its left, {right} at its right">'
         '</div><label><input type="checkbox"> errors</label> <output></output>'
-        f"<figcaption>{sides}. Move the divider with the pointer or the arrow keys. The line "
+        f"<figcaption>{first} at the left, {second} at the right. "
+        "Move the divider with the pointer or the arrow keys. The line "
         "above tells of the pixel under the pointer; shift and arrow keys move it."
         "</figcaption></figure>"
     )
-
-
-def _share(scene: Scene, label: str) -> str:
-    return f"<code>{label}</code> ({100 * scene.right(label):.0f} % right)"
 
 
 def _encode_wraps(scene: Scene, *labels: str) -> NDArray[np.uint8]:

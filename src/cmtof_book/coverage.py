@@ -52,12 +52,9 @@ def rooms(seed: int, count: int) -> Iterable[Frame]:
 
 def calibrate_sets() -> Values:
     """Half-widths of the sets over the odds against a pixel's wraps."""
-    scores = []
-    for number, frame in enumerate(rooms(301, 80)):
-        seen = [
-            simulate(frame, frame_number=number, **how) for how in CONDITIONS.values()
-        ]
-        scores.append(np.concatenate([scores_of(one) for one in seen]))
+    frames = [*rooms(301, 80)]
+    seen = zip(*(measurements(one, frames) for one in CONDITIONS), strict=True)
+    scores = [np.concatenate([*map(scores_of, room)]) for room in seen]
     return {name: conformal_quantile(scores, int(name[-2:]) / 100) for name in SETS}
 
 
@@ -73,7 +70,7 @@ def with_uneven_walls(frame: Frame, number: int, waves: bool) -> Frame:
     """The frame as the released protocol scales it, with uneven walls."""
     rng = np.random.default_rng(number)
     tones = np.array(FREQUENCIES)
-    depth, *_ = staged_depth(frame.depth, protocol="released", frequencies=tones)
+    depth = staged_depth(frame.depth, protocol="released", frequencies=tones)[0]
     off = rng.standard_normal(depth.shape)
     size = 0.12
     if waves:

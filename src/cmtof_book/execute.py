@@ -37,8 +37,9 @@ def execute(script: Path, parameters: Values, result: Path) -> None:
     """Run a notebook; ``result`` shows how far it came."""
     started = time.time()
     nbformat.write(notebook_from_script(script), result)
-    known = papermill.inspect_notebook(result)
-    defaults = {name: one["default"] for name, one in known.items()}
+    defaults = {
+        name: one["default"] for name, one in papermill.inspect_notebook(result).items()
+    }
     if unknown := parameters.keys() - defaults:  # a misspelt size would be ignored
         raise ValueError(
             f"Expected parameters of {script.name} ({', '.join(sorted(defaults))}), got "
@@ -49,13 +50,12 @@ def execute(script: Path, parameters: Values, result: Path) -> None:
         result,
         parameters=parameters,
         kernel_name="python3",
-        cwd=str(script.parent),
+        cwd=script.parent,
         progress_bar=False,
         start_timeout=600,  # s; a busy machine takes more than the usual minute
     )
-    executed.metadata[
-        "cmtof"
-    ] = {  # what the last block of the page tells about this run
+    # what the last block of the page tells about this run
+    executed.metadata["cmtof"] = {
         "parameters": {**defaults, **parameters},
         "version": metadata.version("cmtof"),
         "commit": subprocess.getoutput(COMMIT),
@@ -65,7 +65,7 @@ def execute(script: Path, parameters: Values, result: Path) -> None:
         "libraries": {name: metadata.version(name) for name in LIBRARIES},
     }
     nbformat.write(executed, result)
-    print(f"{script.stem}: {time.time() - started:.1f} s", file=sys.stderr, flush=True)
+    print(f"{script.stem}: {time.time() - started:.1f} s", file=sys.stderr)
 
 
 if __name__ == "__main__":

@@ -71,7 +71,7 @@ def inputs(stem: str) -> list[str]:
 
     ``configs/inputs.yml`` names what it reads beside the packages; data are optional.
     """
-    declared = read_document(ROOT / "configs" / "inputs.yml").get(stem, {})
+    declared = read_document(ROOT / "configs/inputs.yml").get(stem, {})
     read = [RESULTS / name for name in declared.get("results", ())]
     if base := data_root():
         for word in declared.get("data", ()):

@@ -20,7 +20,7 @@ from cmtof.simulation import simulate
 from cmtof_book import ROOT, Values
 from cmtof_book.provenance import letters
 
-RUNTIME = ROOT / "book" / "runtime"
+RUNTIME = ROOT / "book/runtime"
 SCRIPTS = {
     "script": "ort.wasm.min.js",
     "loader": "ort-wasm-simd-threaded.mjs",
@@ -60,7 +60,7 @@ def object_frame(name: str) -> Frame:
 
     half = FIELD_OF_VIEW[name] / 2
     along = np.linspace(-half, half, SIDE)
-    angles = np.stack(np.meshgrid(along, along), axis=-1)
+    angles = np.dstack(np.meshgrid(along, along))
     target: Any = scene_from({"kind": "object", "name": name})
     seen = target.look(directions_from_angles(angles))
     return Frame(seen.range, seen.reflectance * seen.cosine, None, name, "")
@@ -73,7 +73,7 @@ def packed_scene(frame: Frame) -> Values:
         slice((n - (m := min(n, SIDE))) // 2, (n + m) // 2) for n in measured.shape
     )
     depth = np.nan_to_num(np.asarray(measured.depth)[place])
-    light = np.clip(np.nan_to_num(frame.intensity[place]), 0, 1)
+    light = np.minimum(frame.intensity[place], 1)
     height, width = depth.shape
     return {
         "width": width,
@@ -81,7 +81,7 @@ def packed_scene(frame: Frame) -> Values:
         "step": DEPTH_STEP,
         "depth": pack(np.rint(depth / DEPTH_STEP).astype("<u2")),
         "light": pack(np.rint(255 * light).astype(np.uint8)),
-        "mask": pack(measured.mask[place].astype(np.uint8)),
+        "mask": pack(measured.mask[place]),
     }
 
 
@@ -93,18 +93,14 @@ def pack(content: bytes | NDArray) -> str:
 def write(folder: Path) -> None:
     """Write ``scenes.js``, ``runtime.js``, and phases as a reader has them: ``example.csv``."""
     room = held_out_frames()[ROOMS["study"]].middle(96, 128)
-    np.savetxt(
-        folder / "example.csv",
-        simulate(room, seed=0).phase.reshape(-1, 128),
-        "%.3f",
-        ",",
-    )
+    phases = np.concatenate(simulate(room, seed=0).phase)
+    np.savetxt(folder / "example.csv", phases, "%.3f", ",")
     drawn = {name: packed_scene(frame) for name, frame in scenes().items()}
-    held = {
+    runtime = {
         key: letters((RUNTIME / f"{name}.gz").read_bytes())
         for key, name in SCRIPTS.items()
     }
-    held["model"] = pack(light_network())
-    for name, data in (("scenes", drawn), ("runtime", held)):
+    runtime["model"] = pack(light_network())
+    for name, data in {"scenes": drawn, "runtime": runtime}.items():
         text = f"laboratory.{name} = {json.dumps(data)};\n"
         (folder / f"{name}.js").write_text(text, "utf-8")

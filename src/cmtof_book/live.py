@@ -8,7 +8,7 @@ from pathlib import Path
 
 from cmtof_book import ROOT, record
 
-STATIC = ROOT / "book" / "_static"
+STATIC = ROOT / "book/_static"
 
 # What the theme gives a page: colours and letters.
 LOOK = (
@@ -24,8 +24,6 @@ GROW = (
 
 def show(html: str, *scripts: Path) -> None:
     """Show HTML that the book's script, and scripts that run after it, bring to life."""
-    from IPython.display import display
-
     files = [STATIC / "cmtof.css", STATIC / "cmtof.js", *scripts]
     style, *acts = [file.read_text("utf-8") if file.is_file() else "" for file in files]
     held = escape(
@@ -33,8 +31,4 @@ def show(html: str, *scripts: Path) -> None:
         f"<script>{''.join(acts)}</script>"
     )
     frame = f'<iframe width="100%" frameborder="0" onload="{GROW}" srcdoc="{held}">'
-    display(
-        {"text/html": f"{frame}</iframe>"},
-        raw=True,
-        metadata=record.page_metadata("page", html=html),
-    )
+    record.show({"text/html": f"{frame}</iframe>"}, "page", html=html)

@@ -6,7 +6,7 @@ A notebook calls `check` for each number of ``paper.yml`` that it touches; the v
 
 import math
 from collections import Counter
-from collections.abc import Mapping
+from collections.abc import Iterator, Mapping
 from functools import cache
 from pathlib import Path
 from typing import Any
@@ -25,30 +25,32 @@ _SIGNS = {"eq": "", "approx": "≈ ", "lt": "< ", "gt": "> "}
 @cache
 def published_numbers() -> dict[str, Published]:
     """Every published number by its key, in the order of the paper."""
-    text = Path(__file__).with_name("paper.yml").read_text("utf-8")
-    document = yaml.safe_load(text)
+    stored = Path(__file__).with_name("paper.yml")
+    document = yaml.safe_load(stored.read_text("utf-8"))
     known = document.pop("_dependencies")
     numbers = {}
     for name, held in document.items():
         if name[0] != "_":
             depends = [Dependency(one, **known[one]) for one in held.get("depends", ())]
-            numbers |= _numbers_of(name, held | {"depends": depends})
+            for one in _numbers_of(name, held | {"depends": depends}):
+                numbers[one.key] = one
     return numbers
 
 
-def _numbers_of(name: str, held: Values) -> dict[str, Published]:
-    """Numbers of an entry by key; a row of a table has some, by the keys of its columns."""
-    numbers = {}
+def _numbers_of(name: str, held: Values) -> Iterator[Published]:
+    """Numbers of an entry; a row of a table has some, whose keys end in those of its columns."""
     columns = held.get("columns") or {"": ""}
     values = np.atleast_1d(held["value"]).tolist()
     for (column, title), value in zip(columns.items(), values, strict=True):
         scale = {"absolute": 1.0, "relative": abs(value)}
         allowed = [scale[kind] * size for kind, size in held["tolerance"].items()]
-        key = f"{name}.{column}".rstrip(".")
-        what = f"{held['what']}, {title}".rstrip(", ")
-        own = {"key": key, "value": value, "what": what, "tolerance": min(allowed)}
-        numbers[key] = Published(**held | own)
-    return numbers
+        own = {
+            "key": f"{name}.{column}".rstrip("."),
+            "value": value,
+            "what": f"{held['what']}, {title}".rstrip(", "),
+            "tolerance": min(allowed),
+        }
+        yield Published(**held | own)
 
 
 def published_number(key: str) -> Published:
@@ -65,7 +67,7 @@ def check(
     interval; several by their case, such as «with photon noise alone», all decide. ``crops`` is how
     many a network was trained on. The standard error of a sum over draws gives its interval.
     """
-    kind: Values = {}
+    kind = {}
     given: Any = value
     if isinstance(value, Compared):
         kind = value.record()
@@ -87,10 +89,10 @@ def table() -> None:
     """Show what a chapter has checked so far: the paper's number, ours, the verdict."""
     rows = []
     for key, held in record.read(record.PAPER).items():
-        score = Score(published_number(key), held["cases"])
-        what = f"{score.number.where}, {score.number.what}"
-        paper = published_text(score.number)
-        rows.append([what, paper, result_text(score), held["verdict"]])
+        number = published_number(key)
+        what = f"{number.where}, {number.what}"
+        ours = result_text(Score(number, held["cases"]))
+        rows.append([what, published_text(number), ours, held["verdict"]])
     verdicts = Counter(row[-1] for row in rows)
     said = ", ".join(f"{count} {name}" for name, count in verdicts.most_common())
     fold = f"{len(rows)} numbers: {said}" if len(rows) > 12 else ""
@@ -106,9 +108,8 @@ def published_text(number: Published) -> str:
 
 def result_text(score: Score, digits: int = 4) -> str:
     """Our numbers with their intervals, each with its case; so many digits where exact."""
-    unit = score.number.unit
     texts = [
-        f"{estimate_text(one, unit, digits)} {case}".strip()
+        f"{estimate_text(one, score.number.unit, digits)} {case}".strip()
         for case, one in score.cases.items()
     ]
     return "; ".join(texts) or "not finite"

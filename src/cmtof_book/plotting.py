@@ -5,7 +5,7 @@ Colours are those of Okabe and Ito (2008), which stay apart for colour-blind rea
 
 import csv
 import re
-from collections.abc import Iterable, Iterator, Mapping, Sequence
+from collections.abc import Collection, Iterable, Iterator, Mapping, Sequence
 from pathlib import Path
 from string import ascii_lowercase
 from typing import Any, Literal
@@ -23,11 +23,12 @@ from matplotlib.text import Text
 from numpy.typing import ArrayLike
 from PIL import Image
 
+from cmtof.correlation import TAU
 from cmtof.files import atomic_output
-from cmtof.types import Named, Pair, Texts
+from cmtof.types import Named, Pair
 from cmtof_book import provenance, record
 
-PALETTE: Texts = {  # in the order in which lines take them
+PALETTE = {  # in the order in which lines take them
     "blue": "#0072B2",
     "vermillion": "#D55E00",
     "green": "#009E73",
@@ -44,18 +45,16 @@ DEPTH_CMAP = "cividis"  # for depth, amplitude and counts
 WIDTH = 8.4  # inches, of a figure as wide as a page
 PAGE = 720  # px, of the book's text on a screen
 LEGIBLE = 9  # px, of the smallest text there
-TURN: Pair = (0.0, 2 * np.pi)  # of a wrapped phase, rad
+TURN: Pair = (0.0, TAU)  # of a wrapped phase, rad
 
 
 def begin(*, profile: str = "book", seed: int = 0) -> None:
     """Set the style, and the profile and seed stored with every result."""
     mpl.rcdefaults()
-    plt.style.use(
-        ["cmtof_book.book", {"axes.prop_cycle": cycler(color=list(PALETTE.values()))}]
-    )
-    plt.switch_backend(
-        "agg"
-    )  # a notebook shows a figure when it is saved, and only then
+    plt.style.use("cmtof_book.book")
+    mpl.rc("axes", prop_cycle=cycler(color=PALETTE.values()))
+    # a notebook shows a figure when it is saved, and only then
+    plt.switch_backend("agg")
     provenance.RUN.update(profile=profile, seed=seed)
 
 
@@ -75,7 +74,7 @@ def image(
     the colour bar, by default those of the image.
     """
     colours = mpl.colormaps[cmap].with_extremes(bad="#B0B0B0")
-    drawn = ax.imshow(np.asarray(values), cmap=colours, clim=limits)
+    drawn = ax.imshow(values, cmap=colours, clim=limits)
     ax.set_title(title)
     ax.set_axis_off()
     if bar:  # inside the panel's own frame it is exactly as high as the image, whatever its aspect
@@ -94,18 +93,15 @@ def grid(count: int, columns: int, aspect: float) -> tuple[Figure, list[Axes]]:
     """So many panels in columns, of height over width, with space for titles and a colour bar."""
     rows = -(-count // columns)
     height = rows * ((WIDTH - 0.9) / columns * aspect + 0.35)
-    fig, made = plt.subplots(rows, columns, figsize=(WIDTH, height), squeeze=False)
-    axes = made.ravel().tolist()
-    for ax in axes[count:]:
-        ax.remove()
-    return fig, axes[:count]
+    fig = plt.figure(figsize=(WIDTH, height))
+    return fig, [fig.add_subplot(rows, columns, n + 1) for n in range(count)]
 
 
 def colour_bar(drawn: AxesImage, *, label: str, **where: Any) -> None:
     """A colour bar, for a turn with ticks in π."""
-    bar = drawn.get_figure(root=True).colorbar(drawn, label=label, **where)  # pyright: ignore[reportOptionalMemberAccess]
+    bar = drawn.figure.colorbar(drawn, label=label, **where)
     if drawn.get_clim() == TURN:
-        bar.set_ticks([0, np.pi, 2 * np.pi], labels=["0", "π", "2π"])
+        bar.set_ticks([0, np.pi, TAU], labels=["0", "π", "2π"])
 
 
 def mark(
@@ -121,12 +117,13 @@ def mark(
         "zorder": 4,
         "path_effects": [withStroke(linewidth=2.5, foreground="white")],  # on lines
     }
-    if x is not None:
-        ax.axvline(x, **style)
-        ax.annotate(text, (x, 0), xycoords=ax.get_xaxis_transform(), **note)
+    if y is None:
+        ax.axvline(x, **style)  # pyright: ignore[reportArgumentType]
+        across = ax.get_xaxis_transform()
     else:
-        ax.axhline(y, **style)  # pyright: ignore[reportArgumentType]
-        ax.annotate(text, (0, y), xycoords=ax.get_yaxis_transform(), **note)
+        ax.axhline(y, **style)
+        across = ax.get_yaxis_transform()
+    ax.annotate(text, (x or 0, y or 0), xycoords=across, **note)
 
 
 def sweep(
@@ -154,7 +151,7 @@ def sweep(
 
 def intervals(
     ax: Axes,
-    rows: Mapping[str, tuple[float, float, float]],
+    rows: Mapping[str, Sequence[float]],
     *,
     colors: Mapping[str, str],
     published: Mapping[str, float],
@@ -184,11 +181,10 @@ def dots(ax: Axes, series: Mapping[str, ArrayLike], rows: Sequence[str]) -> None
     _name_rows(ax, rows)
 
 
-def _name_rows(ax: Axes, rows: Iterable[str]) -> None:
+def _name_rows(ax: Axes, rows: Collection[str]) -> None:
     """Names of rows at the left, the first on top."""
-    names = list(rows)
-    ax.set_yticks(range(len(names)), names)
-    ax.set_ylim(len(names) - 0.3, -0.6)  # room for all dots of the first and last row
+    ax.set_yticks(range(len(rows)), rows)
+    ax.set_ylim(len(rows) - 0.3, -0.6)  # room for all dots of the first and last row
 
 
 def label_panels(axes: Iterable[Axes]) -> None:
@@ -263,30 +259,24 @@ def save(
     if plotted := [*points(fig)]:
         with target.with_suffix(".csv").open("w", newline="", encoding="utf-8") as file:
             csv.writer(file).writerows([("panel", "line", "x", "y"), *plotted])
-    # without this a file would carry the date or the version of the library that drew it
-    metadata = (
-        {"Date": None, "Creator": None} if format == "svg" else {"Software": None}
-    )
     with atomic_output(target) as part:
-        fig.savefig(part, format=format, metadata=metadata)
-        if format == "png":
+        # a drawing would else carry the date and the version of the library that drew it
+        fig.savefig(part, format=format, metadata={"Date": None, "Creator": None})
+        if format == "png":  # which stores pixels alone
             _save_space(part)
     plt.close(fig)
-    _publish(target, {"name": name, "csv": bool(plotted), "folded": folded} | words)
+    _publish(target, name=name, csv=bool(plotted), folded=folded, **words)
 
 
-def _publish(picture: Path, about: Texts) -> None:
+def _publish(picture: Path, **about: Any) -> None:
     """Display a picture and its caption in a notebook, with what the book needs to place them."""
     from IPython.core.getipython import get_ipython
 
-    if shell := get_ipython():
-        vector = picture.suffix == ".svg"
-        kind = "image/svg+xml" if vector else "image/png"
-        drawn = picture.read_text("utf-8") if vector else picture.read_bytes()
-        publish = shell.display_pub.publish
-        told = {"text/markdown": about["caption"]}
-        publish(
-            {kind: drawn, "text/plain": about["alt"]},
-            record.page_metadata("figure", **about),
-        )
-        publish(told, record.page_metadata("caption"))  # pages put captions themselves
+    if get_ipython():
+        if picture.suffix == ".svg":
+            drawn = {"image/svg+xml": picture.read_text("utf-8")}
+        else:
+            drawn = {"image/png": picture.read_bytes()}
+        record.show(drawn | {"text/plain": about["alt"]}, "figure", **about)
+        # pages put captions themselves
+        record.show({"text/markdown": about["caption"]}, "caption")

@@ -8,6 +8,8 @@ from base64 import b64encode
 from pathlib import Path
 from typing import Any
 
+from numpy.typing import NDArray
+
 from cmtof import __version__
 from cmtof.files import atomic_output
 from cmtof_book.compared import Compared
@@ -34,9 +36,9 @@ def processor() -> str:
     return named[1] if named else platform.processor()
 
 
-def letters(content: bytes) -> str:
+def letters(content: bytes | NDArray) -> str:
     """Bytes as text, as pages hold them."""
-    return b64encode(content).decode()
+    return b64encode(bytes(content)).decode()
 
 
 def _plain(value: Any) -> Any:

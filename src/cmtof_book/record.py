@@ -35,9 +35,11 @@ class Record(NamedTuple):
         return self.content["numbers"]
 
 
-def page_metadata(kind: str, **about: Any) -> Values:
-    """Metadata by which `cmtof_book.stage` knows what an output of a notebook is on the page."""
-    return {"cmtof": {"kind": kind, **about}}
+def show(content: Values, kind: str, **about: Any) -> None:
+    """Show an output of a notebook, with what `cmtof_book.stage` needs to place it on the page."""
+    from IPython.display import display
+
+    display(content, raw=True, metadata={"cmtof": {"kind": kind, **about}})
 
 
 def write(name: str, numbers: Named, **about: Any) -> None:

@@ -16,9 +16,9 @@ from cmtof_book.compared import Compared
 from cmtof_book.provenance import read_json
 from cmtof_book.record import read_all
 
-STORED = ROOT / "tests" / "reference" / "numbers.json"
+STORED = ROOT / "tests/reference/numbers.json"
 # Records of the build to compare; the variable names one that was made as on another machine.
-RESULTS = Path(os.environ.get("CMTOF_RESULTS") or ROOT / "build" / "ci" / "results")
+RESULTS = Path(os.environ.get("CMTOF_RESULTS") or ROOT / "build/ci/results")
 
 # Numbers by chapter, record and name, such as ``02_precision/fig03_precision/ratio``.
 Numbers = dict[str, Compared]

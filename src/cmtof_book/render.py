@@ -14,8 +14,6 @@ from pathlib import Path
 
 from bs4 import BeautifulSoup
 
-from cmtof.types import Texts
-
 SHOWN = "div.math[id], figure[id], dt[id^=term], div.citation[id], [id^=erratum-]"
 UNUSED = re.compile(
     r"/mathjax/((?!tex-chtml\.js)[\w-]+\.js$|output/svg/|sre/mathmaps/(?!base|en))|/locales/|\.map$"
@@ -31,8 +29,8 @@ def lighten(html: Path) -> None:
 
 def store_texts(html: Path) -> None:
     """Store the texts of pages for the search, and what links show when hovered."""
-    texts: Texts = {}
-    previews: Texts = {}
+    texts = {}
+    previews = {}
     for page in html.glob("*/*.html"):
         if article := BeautifulSoup(page.read_text("utf-8"), "html.parser").article:
             name = page.relative_to(html).as_posix()
@@ -46,7 +44,7 @@ def store_texts(html: Path) -> None:
                 unread.decompose()
             texts[name] = escape(article.get_text(" "))
     for name, held in {"Texts": texts, "Previews": previews}.items():
-        path = html / "_static" / f"{name.lower()}.js"
+        path = html / f"_static/{name.lower()}.js"
         path.write_text(f"const cmtof{name} = {json.dumps(held)};", "utf-8")
 
 
@@ -54,4 +52,4 @@ if __name__ == "__main__":
     PAGES = Path(sys.argv[1])
     lighten(PAGES)
     store_texts(PAGES)
-    print(f"book: {PAGES / 'index.html'}", file=sys.stderr, flush=True)
+    print(f"book: {PAGES / 'index.html'}", file=sys.stderr)

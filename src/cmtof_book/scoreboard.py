@@ -36,18 +36,18 @@ SHOWN = ("reproduced", "contradicted", "open")
 def scores_in(records: Iterable[Record]) -> Scores:
     """Every published number with the result of the first chapter that checked it."""
     numbers = published_numbers()
-    found: Scores = {}
+    found = {}
     for record in records:
         for key, held in record.numbers.items() if record.name == PAPER else ():
-            score = Score(
-                numbers[key],
-                held["cases"],
-                profile=record.content["provenance"]["profile"],
-                crops=held["crops"],
-                chapter=record.chapter,
-            )
-            found.setdefault(key, score)
-    return {key: found.get(key) or Score(number) for key, number in numbers.items()}
+            if key not in found:
+                found[key] = Score(
+                    numbers[key],
+                    held["cases"],
+                    profile=record.content["provenance"]["profile"],
+                    crops=held["crops"],
+                    chapter=record.chapter,
+                )
+    return {key: Score(number) for key, number in numbers.items()} | found
 
 
 def page(
@@ -74,10 +74,12 @@ def counts(scores: Iterable[Score]) -> dict[str, int]:
 
 def accepted_scores(scores: Scores) -> Values:
     """Return the scoreboard for ``figures/scoreboard.json``: counts, and each number's verdict."""
-    told = ("verdict", "cases", "profile", "crops", "chapter")
     numbers = {
         key: {"paper": score.number.value, "unit": score.number.unit}
-        | {name: getattr(score, name) for name in told}
+        | {
+            name: getattr(score, name)
+            for name in ("verdict", "cases", "profile", "crops", "chapter")
+        }
         for key, score in sorted(scores.items())
         if score.chapter
     }
@@ -119,7 +121,7 @@ def picture(scores: Scores) -> str:
 def _across(ratio: float) -> float:
     """Place of a ratio between the edges, 0 and 100; what lies beyond them is put there."""
     held = min(max(ratio, 1 / SPAN), SPAN)
-    return round(50 + 48 * math.log(held) / math.log(SPAN), 1)
+    return round(50 + 48 * math.log(held, SPAN), 1)
 
 
 def coverage(
@@ -130,7 +132,7 @@ def coverage(
     A figure stands where ``figNN_*`` was drawn, a table where ``tableN_*`` was drawn or its numbers
     were checked, an equation where it bears its number. ``notebooks`` are the chapters.
     """
-    found: defaultdict[str, set[str]] = defaultdict(set)
+    found = defaultdict(set)
     for record in records:
         names = record.numbers if record.name == PAPER else [record.name]
         for kind, number in DRAWN.findall("\n".join(names)):

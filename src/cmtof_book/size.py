@@ -9,6 +9,7 @@ budget is reached.
 """
 
 import ast
+import re
 import sys
 from collections import Counter
 from collections.abc import Iterator
@@ -44,11 +45,12 @@ Size = tuple[str, str, float]  # where, what, and its value
 
 def code_lines(source: str, nodes: list[ast.AST]) -> int:
     """Number of lines that are not blank, comment or docstring."""
-    starts = [line.strip()[:1] for line in source.splitlines()]
-    used = {number for number, start in enumerate(starts, 1) if start not in ("", "#")}
+    lines = enumerate(source.splitlines(), 1)
+    used = {number for number, line in lines if re.match(r"\s*[^\s#]", line)}
     for node in nodes:
-        if isinstance(node, ast.Expr) and isinstance(node.value, ast.Constant):
-            used -= {*lines_of(node)} if isinstance(node.value.value, str) else set()
+        match node:
+            case ast.Expr(value=ast.Constant(value=str())):
+                used.difference_update(lines_of(node))
     return len(used)
 
 
@@ -63,8 +65,9 @@ def sizes_of(function: ast.FunctionDef, place: str) -> Iterator[Size]:
     names = {one.arg for one in given.posonlyargs + given.args + given.kwonlyargs}
     yield place, "parameters", len(names)
     for node in ast.walk(function):
-        if isinstance(node, ast.Name) and isinstance(node.ctx, ast.Store):
-            names.add(node.id)
+        match node:
+            case ast.Name(id=name, ctx=ast.Store()):
+                names.add(name)
     yield place, "names", len(names)
     yield place, "lines of a function", len(lines_of(function))
 
@@ -97,23 +100,25 @@ def sizes() -> Iterator[Size]:
         yield part, "density", round(total["nodes"] / total["code"], 1)
         yield part, "packed %", round(100 * total["packed"] / total["assigned"], 1)
     files = [*ROOT.glob("book/**/*.*"), *ROOT.glob("src/cmtof_book/templates/*")]
-    shown = [
-        path for path in files if path.suffix in {".css", ".html", ".jinja", ".js"}
-    ]
-    yield "book pages", "lines", sum(path.read_bytes().count(b"\n") for path in shown)
+    lines = (
+        path.read_bytes().count(b"\n")
+        for path in files
+        if path.suffix in {".css", ".html", ".jinja", ".js"}
+    )
+    yield "book pages", "lines", sum(lines)
 
 
 def main() -> int:
     """Print parts, and what else exceeds its budget; return the exit code."""
-    allowed = read_json(ROOT / "configs" / "size.json")
+    allowed = read_json(ROOT / "configs/size.json")
     failed = False
     for place, what, value in sizes():
         budget = VOLUME[place] if what == "volume" else LIMITS[what]
-        exceeds = value > max(budget, allowed.get(f"{place} {what}", 0))
+        named = f"{place} {what}"
+        exceeds = value > max(budget, allowed.get(named, 0))
         failed |= exceeds
         if value > budget or place in (*VOLUME, "book pages"):
             note = "OVER" if exceeds else "to do" * (value > budget)
-            named = f"{place} {what}"
             print(f"{named:32} {value:9,g} of {budget:7,g}  {note}".rstrip())
     return int(failed)
 

@@ -19,15 +19,11 @@ from cmtof_book import Values, claims, laboratory, pages, scoreboard
 from cmtof_book.markdown import myst
 from cmtof_book.record import read_all
 
-NUMBERS = "_static/numbers"  # of the figures, where the Snakefile puts them
-
 
 def caption(about: Values, stem: str) -> str:
     """Caption of a figure with its number in the paper, and a line on how to get at it."""
     paper = re.match(r"(fig|table)0*(\d+)_", about["name"])
-    return myst(
-        pages.page("caption", about=about, stem=stem, paper=paper, folder=NUMBERS)
-    )
+    return myst(pages.page("caption", about=about, stem=stem, paper=paper))
 
 
 def figure_cell(output: Any, about: Values, stem: str) -> Any:
@@ -46,7 +42,7 @@ def place_shown(notebook: Any, stem: str) -> None:
 
     The answer is repeated at the head. What a reader moves needs no frame on a page.
     """
-    cells: list[Any] = []
+    cells = []
     for cell in notebook.cells:
         figures = []
         said = []
@@ -62,18 +58,18 @@ def place_shown(notebook: Any, stem: str) -> None:
             if about["kind"] not in ("", "page"):
                 cell.outputs.remove(output)
             if about["kind"] == "answer":
-                put_behind_question([*cells, cell], said[-1].source)
+                put_behind_question(notebook.cells[0], said[-1].source)
         if not said or not cell.source.startswith("notes."):
             cells.append(cell)
         cells += figures + said
     notebook.cells = cells
 
 
-def put_behind_question(cells: list[Any], answer: str) -> None:
-    """Insert the answer behind the first paragraph of the chapter, which asks for it."""
-    paragraphs = cells[0].source.split("\n\n")
+def put_behind_question(opening: Any, answer: str) -> None:
+    """Insert the answer behind the first paragraph of a chapter's first cell, which asks for it."""
+    paragraphs = opening.source.split("\n\n")
     paragraphs.insert(2, answer)
-    cells[0].source = "\n\n".join(paragraphs)
+    opening.source = "\n\n".join(paragraphs)
 
 
 def lead_with_figure(notebook: Any) -> None:
@@ -82,7 +78,7 @@ def lead_with_figure(notebook: Any) -> None:
     place = next(
         (n for n, c in enumerate(cells) if "figure" in c.metadata.get("mystnb", {})), 0
     )
-    texts = [n for n in range(place) if cells[n].cell_type == "markdown"]
+    texts = [cell for cell in cells[:place] if cell.cell_type == "markdown"]
     if texts:
         figure = cells.pop(place)
         cells.insert(1, figure)
@@ -94,7 +90,7 @@ def lead_with_figure(notebook: Any) -> None:
 
 def join_folded(notebook: Any) -> None:
     """Join neighbouring cells whose source is folded and that show nothing between into one."""
-    cells: list[Any] = []
+    cells = []
     for cell in notebook.cells:
         if "injected-parameters" in _tags(cell):
             continue  # they stand at the end of the page
@@ -133,8 +129,8 @@ def main(build: Path, stage: Path, *notebooks: Path) -> None:
     texts = claims.texts(scores, records)
     texts["scoreboard"] = scoreboard.page(scores, records, notebooks)
     for name, text in texts.items():
-        (stage / "book" / f"{name}.md").write_text(text, "utf-8")
-    laboratory.write(stage / "book" / "_static" / "laboratory")
+        (stage / f"book/{name}.md").write_text(text, "utf-8")
+    laboratory.write(stage / "book/_static/laboratory")
 
 
 if __name__ == "__main__":

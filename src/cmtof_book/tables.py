@@ -30,6 +30,7 @@ from cmtof.files import atomic_output  # noqa: E402
 from cmtof.frame import Frame, held_out_frames  # noqa: E402
 from cmtof.methods import METHODS, find_method, names_of  # noqa: E402
 from cmtof.network.weights import read_card, weights_path  # noqa: E402
+from cmtof.types import Pair  # noqa: E402
 from cmtof_book.frames import views_of_size  # noqa: E402
 from cmtof_book.provenance import read_json  # noqa: E402
 from cmtof_rooms.rendering import shape_from_text  # noqa: E402
@@ -49,8 +50,8 @@ class Row(NamedTuple):
 
     def is_counted(self, held: Values) -> bool:
         """Whether these weights were counted before."""
-        names = {name for frame in held["frames"] for name in frame["methods"]}
-        return self.name in names and held["weights"].get(self.name, "") == self.weights
+        counted = any(self.name in frame["methods"] for frame in held["frames"])
+        return counted and held["weights"].get(self.name, "") == self.weights
 
 
 def rows_of_methods(methods: Sequence[str], protocol: str) -> Iterator[Row]:
@@ -105,7 +106,7 @@ def main(
     again: bool = False,
     runs: Path | None = None,
     size: str = "",
-    offset: tuple[float, float] = (0.0, 0.0),
+    offset: Pair = (0.0, 0.0),
 ) -> None:
     """Count methods over all test frames and store the counts."""
     settings: Values = {"protocol": protocol, "noise": noise, "seed": 0}

@@ -5,6 +5,7 @@ differs and everything that it depends on is the paper's; *open* otherwise. A se
 or *changed*. What nobody can compare is *untested*.
 """
 
+from collections import defaultdict
 from collections.abc import Mapping, Sequence
 from dataclasses import field
 from typing import Any, Literal, NamedTuple
@@ -75,13 +76,14 @@ class Published:
         if sign := {"lt": 1, "gt": -1}.get(self.relation):
             met = [sign * (end - self.value) < self.tolerance for end in ours[1:]]
             return "inside" if all(met) else "undecided" if any(met) else "outside"
+        value, low, high = ours
         # the slack keeps a value on the very edge from failing by the last bit of a float
-        slack = self.tolerance + 4e-16 * (abs(ours.value) + abs(self.value))
-        if max(ours.low - self.value, self.value - ours.high) > slack:
+        slack = self.tolerance + 4e-16 * (abs(value) + abs(self.value))
+        if max(low - self.value, self.value - high) > slack:
             return "outside"
-        widest = min(WIDEST * self.tolerance, (WIDEST - 1) * abs(ours.low))
-        near = abs(ours.value - self.value) <= slack
-        return "inside" if near and ours.high - ours.low <= widest else "undecided"
+        widest = min(WIDEST * self.tolerance, (WIDEST - 1) * abs(low))
+        near = abs(value - self.value) <= slack
+        return "inside" if near and high - low <= widest else "undecided"
 
 
 @dataclass(frozen=True)
@@ -100,16 +102,19 @@ class Score:
     ) -> "Score":
         """From one number of ours, or several by their case; what is not finite is left out."""
         given = value if isinstance(value, Mapping) else {"": value}
-        cases = {case: np.broadcast_to(one, 3).tolist() for case, one in given.items()}
-        finite = {case: one for case, one in cases.items() if np.isfinite(one).all()}
+        finite = {
+            case: np.broadcast_to(one, 3).tolist()
+            for case, one in given.items()
+            if np.isfinite(one).all()
+        }
         return cls(number, finite, **about)
 
     @property
     def places(self) -> dict[str, list[str]]:
         """Our cases by their place beside the paper's number."""
-        places: dict[str, list[str]] = {}
+        places = defaultdict(list)
         for case, one in self.cases.items():
-            places.setdefault(self.number.place_of(one), []).append(case)
+            places[self.number.place_of(one)].append(case)
         return places
 
     def has_papers(self, one: Dependency) -> bool:
@@ -130,9 +135,9 @@ class Score:
     @property
     def untested(self) -> str:
         """Why nothing can be said, if so."""
-        small = [one.ours for one in self.differing if one.name == "sizes"]
-        missing = [] if self.cases else ["No chapter computes it."]
-        return next(filter(None, [self.number.untested, *missing, *small]), "")
+        if self.number.untested or not self.cases:
+            return self.number.untested or "No chapter computes it."
+        return next((one.ours for one in self.differing if one.name == "sizes"), "")
 
     @property
     def verdict(self) -> str:

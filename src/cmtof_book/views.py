@@ -16,7 +16,8 @@ from matplotlib.colors import to_hex
 from cmtof.files import atomic_output
 from cmtof.pointcloud import mesh_triangles
 from cmtof.types import Array, Pair
-from cmtof_book import Values, live, provenance
+from cmtof_book import Values, live
+from cmtof_book.provenance import letters, output_folder
 
 
 class Layer(NamedTuple):
@@ -36,13 +37,11 @@ class Layer(NamedTuple):
     def pack(self, step: int) -> Values:
         """Every so many points for the page, and the key to their colours."""
         few = np.s_[::step, ::step]
-        key = [to_hex(one) for one in plt.get_cmap(self.scale)(np.linspace(0, 1, 9))]
+        key = map(to_hex, plt.get_cmap(self.scale)(np.linspace(0, 1, 9)))
         return {
             "shape": self.values[few].shape,
-            "points": provenance.letters(self.points[few].astype("<f4").tobytes()),
-            "colours": provenance.letters(
-                bytes(np.rint(255 * self.colours()[few]).astype(np.uint8))
-            ),
+            "points": letters(self.points[few].astype("<f4")),
+            "colours": letters(np.rint(255 * self.colours()[few]).astype(np.uint8)),
             "meaning": self.meaning,
             "ends": [f"{end:.3g}" for end in self.ends],
             "scale": ", ".join(key),
@@ -50,16 +49,19 @@ class Layer(NamedTuple):
 
 
 def save_scene(
-    name: str, layers: Mapping[str, Layer], *, longest: float, eye: tuple, step: int = 1
+    name: str, layers: Mapping[str, Layer], *, longest: float, eye: tuple, step: int
 ) -> None:
     """Write surfaces by name to ``name.js``, of every so many points.
 
     Neighbours further apart than ``longest``, m, are not joined; ``eye`` (3,), m, is where they are
     seen from. Points are x right, y down, z forward, NaN for none.
     """
-    packed = {label: layer.pack(step) for label, layer in layers.items()}
-    about = {"longest": step * longest, "eye": eye, "layers": packed}
-    with atomic_output(provenance.output_folder() / f"{name}.js") as part:
+    about = {
+        "longest": step * longest,
+        "eye": eye,
+        "layers": {label: layer.pack(step) for label, layer in layers.items()},
+    }
+    with atomic_output(output_folder() / f"{name}.js") as part:
         part.write_text(
             f"cmtofScene({json.dumps(name)}, {json.dumps(about)});\n", "utf-8"
         )
@@ -70,7 +72,7 @@ def show_scene(name: str, *, title: str) -> None:
     live.show(
         f'<details class="scene" id="{name.replace("_", "-")}">'
         f"<summary>Turn it: {html.escape(title)}</summary><p></p></details>",
-        provenance.output_folder() / f"{name}.js",
+        output_folder() / f"{name}.js",
     )
 
 
@@ -111,4 +113,4 @@ def _draw_still(layer: Layer, longest: float, eye: tuple) -> Array:
     )
     plotter.enable_anti_aliasing("ssaa")
     plotter.camera.tight()
-    return np.asarray(plotter.screenshot(None, return_img=True)) / 255
+    return np.asarray(plotter.screenshot()) / 255

@@ -46,9 +46,9 @@ def pooled_beats(field: Field, cells: Cells) -> Beats:
 
 def _beats(field: Field, cells: Cells) -> Beats:
     """One pass of `pooled_beats`."""
-    turned = _cell_phasors(field, cells)
-    lag, known = _lags(field, turned, cells.information)
-    found = _weighted_beats(field, cells, turned)
+    turned = cell_phasors(field, cells)
+    lag, known = lags_of_phasors(field, turned, cells.information)
+    found = _weighted_beats(field, cells, turned, np.ones(lag.shape))
     for _ in range(_PASSES):
         off = lag - np.append(found[0], 0)[cells.main]
         weight = _CREDIBLE**2 / np.maximum(known * off**2, _CREDIBLE**2)
@@ -56,9 +56,7 @@ def _beats(field: Field, cells: Cells) -> Beats:
     return found
 
 
-def _weighted_beats(
-    field: Field, cells: Cells, turned: Array, weight: float | Array = 1.0
-) -> Beats:
+def _weighted_beats(field: Field, cells: Cells, turned: Array, weight: Array) -> Beats:
     """Beats of phasors (2, h, w) that count by their weight (h, w)."""
     total, most = pooled_phasors(
         cells.main, weight * turned, weight * cells.information, cells.rough.size
@@ -66,17 +64,11 @@ def _weighted_beats(
     low, high = np.angle(total)
     beat = centred(high - field.multiple * low) / (TAU * field.excess)
     coherence = np.maximum(np.abs(total), 1e-9) / most
-    low, high = 1 / (most * coherence**2)
-    noise = np.sqrt(high + field.multiple**2 * low) / abs(TAU * field.excess)
-    return beat, noise, coherence.min(axis=0)
+    known = information_of_beats(field, most * coherence**2)
+    return beat, 1 / np.sqrt(known), coherence.min(axis=0)
 
 
-def lags_of_cells(field: Field, cells: Cells) -> Arrays:
-    """Lag of the beat of each cell (h, w), wraps, and its inverse variance."""
-    return _lags(field, _cell_phasors(field, cells), cells.information)
-
-
-def _lags(field: Field, turned: Array, information: Array) -> Arrays:
+def lags_of_phasors(field: Field, turned: Array, information: Array) -> Arrays:
     """Lag of the beat of phasors (2, h, w), wraps, and its inverse variance."""
     low, high = turned.imag / np.maximum(information, 1e-6)
     lag = (high - field.multiple * low) / (TAU * field.excess)
@@ -90,7 +82,7 @@ def information_of_beats(field: Field, information: Array) -> Array:
     return (TAU * field.excess) ** 2 * lower * higher / both
 
 
-def _cell_phasors(field: Field, cells: Cells) -> Array:
+def cell_phasors(field: Field, cells: Cells) -> Array:
     """Phasors (2, h, w) of cells without what moves both alike."""
     sums = cells.sums
     multiple = field.multiple

@@ -12,7 +12,7 @@ from scipy.ndimage import maximum_filter, minimum_filter, uniform_filter
 
 from cmtof.compiled import njit
 from cmtof.correlation import TAU
-from cmtof.surfaces.beats import Beats, lags_of_cells
+from cmtof.surfaces.beats import Beats, cell_phasors, lags_of_phasors
 from cmtof.surfaces.blocks import pixel_likelihood
 from cmtof.surfaces.field import CELL, Field
 from cmtof.surfaces.growing import owners_around
@@ -266,7 +266,7 @@ def cut_surfaces(
     cells = cells_of_surfaces(
         field, inner, depth_of_labels(field, inner, surfaces), len(surfaces)
     )
-    lags = lags_of_cells(field, cells)
+    lags = lags_of_phasors(field, cell_phasors(field, cells), cells.information)
     main = cells.main
     for _ in range(_CUTS):
         count = len(surfaces)
