@@ -154,10 +154,9 @@ notes.say(
     has {mirrored:.0f} %; together with `surfaces`, as `hybrid`, {hybrid:.0f} %.
     `surfaces-mirrored` is the vote of `surfaces` over four mirror images. `rapid`, the network of
     Zhang et al. (2019), reads four phases; the sixteen are decoded and put back into four. It is
-    not fine-tuned. `phasor` needs two close frequencies, and had a second scan at 7.16 GHz. Stray
-    light that is not taken away costs more than photon noise does: with it KDE finds
-    {kde_stray:.0f} % at the photon limit, `surfaces` {surfaces_stray:.0f} %. A lab should cover its
-    beam for a few hundred points.
+    not fine-tuned. `phasor` needs two close frequencies, and had a second scan at 7.16 GHz. With
+    the stray light left in, KDE finds {kde_stray:.0f} % at the photon limit, `surfaces`
+    {surfaces_stray:.0f} %: a few hundred points with a covered beam are worth their time.
     """,
     kde_stray=shares("photon", "stray kde").mean(),
     surfaces_stray=shares("photon", "stray surfaces").mean(),
