@@ -160,7 +160,8 @@ class Measurement:
         images = [offset, amplitude * np.exp(1j * phase)]
         mean, phasor = np.nanmean(images, axis=(2, 3))[..., None]
         light = (mean + phasor * np.exp(1j * self.dataset["psi"])).real
-        left = self.dataset["correlation"] - light
+        seen = self.dataset["correlation"]
+        left = seen - light.astype(seen.dtype)
         return Measurement(self.dataset.assign(correlation=left))
 
     def _image(self, name: str) -> NDArray | None:
