@@ -93,7 +93,7 @@ NEXT_LEGS: Values = FIRST_LEG | {
 
 DEPTH_WEIGHT = 0.005  # weight of the distance in depth, 1/mm, as where the network was trained last
 
-LEGS = range(4)  # of training, among which the best are chosen
+LEGS = range(5)  # of training, among which the best are chosen
 
 Noise = str | float  # one of `cmtof_lab.settings.NOISE`, or a multiple of the captures'
 
