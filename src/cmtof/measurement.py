@@ -146,15 +146,19 @@ class Measurement:
         """The same measurement without light that never reached the scene, but came straight back.
 
         It is the mean of ``covered``, at any psi: measured by the same instrument with a covered
-        beam. A ValueError says if one of both has no correlations, or they differ in frequency.
+        beam. A ValueError says if one of both has no correlations, they differ in frequency, or
+        no pixel of ``covered`` is valid.
         """
-        both = (self.dataset, covered.dataset)
-        if not all("correlation" in data for data in both) or not np.array_equal(
-            self.frequencies, covered.frequencies
+        alike = np.array_equal(self.frequencies, covered.frequencies)
+        if not (
+            alike
+            and covered.mask.any()
+            and "correlation" in self.dataset
+            and "correlation" in covered.dataset
         ):
             raise ValueError(
-                "Expected correlations at the same frequencies with and without a covered beam, "
-                "got others. Scan the covered beam with the settings of the scene."
+                "Expected valid correlations at the same frequencies with and without a covered "
+                "beam, got others. Scan the covered beam with the settings of the scene."
             )
         phase, amplitude, offset = covered.decoded
         images = [offset, amplitude * np.exp(1j * phase)]

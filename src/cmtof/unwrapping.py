@@ -40,9 +40,9 @@ def unwrap(
 
     ``range`` holds the depths to choose from, ``min <= z < max``, m, by default the measurement's
     own; pixels below ``min_confidence`` are masked; with a measurement of a ``covered`` beam stray
-    light is taken away before; ``options`` are the method's, for instance ``window=81`` of
-    ``beat``. ValueError for an unknown method, a bad range or share, or a
-    measurement that the method cannot use.
+    light is taken away before, as by `Measurement.without_stray_light`; ``options`` are the
+    method's, for instance ``window=81`` of ``beat``. ValueError for an unknown method, a bad range
+    or share, or a measurement that the method, or the covered beam, does not suit.
 
     On (y, x) the result has ``wrap_count``, the estimate of ``floor(phi / 2 pi)`` at the lowest
     frequency, -1 where masked or without a phase; ``depth``, m, of the measured phase with the
@@ -77,6 +77,7 @@ def unwrap(
         "range_min": measurement.range[0],
         "range_max": measurement.range[1],
         "min_confidence": float(min_confidence),
+        "stray_light_removed": int(covered is not None),
         **{f"option_{name}": value for name, value in options.items()},
         "version": measurement.dataset.attrs.get("version", ""),
     }

@@ -32,7 +32,7 @@ def views_of_size(height: int, width: int) -> list[Frame]:
 
 
 def views(settings: Settings = SETTINGS, *, tested: bool = True) -> Iterator[Frame]:
-    """Views that fit the rule; without ``tested`` of rooms that networks train and validate on."""
+    """Views of which 20 to 90 % are scored; not ``tested``: of rooms for training, validation."""
     for index in range(settings.scenes):
         if (split_of(index) == "test") == tested:
             frame = view_across(index, settings)

@@ -207,7 +207,7 @@ def load_or_make(name: str, made: Callable[[], Measurement]) -> Measurement:
 def kept_scan(
     name: str, noise: Noise, seed: int = 0, *, kind: str = "scan", **options: Any
 ) -> Measurement:
-    """Scan of an object as `scan_object` makes it, its options of one kind."""
+    """Scan as `scan_object` makes it with options; ``kind`` names them in the file's name."""
     made = partial(scan_object, name, noise, seed=seed, **options)
     return load_or_make(f"{kind}_{name}_{noise}_{seed}", made)
 

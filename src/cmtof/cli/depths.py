@@ -24,7 +24,7 @@ from cmtof.terminal import error_line, escape_controls, print_table, progress
 if TYPE_CHECKING:
     from cmtof.evaluation import Evaluation
     from cmtof.frame import Frames
-    from cmtof.types import Texts, Values
+    from cmtof.types import Fields, Texts, Values
 
 
 def choice(
@@ -71,7 +71,7 @@ def unwrap(
     targets = (
         [output / f"{path.stem}.nc" for path in measurement] if several else [output]
     )
-    _check_distinct([*measurement, *targets, *([ply] if ply else [])])
+    _check_distinct([*measurement, *targets, *filter(None, (ply, choice["covered"]))])
     whole_file = not (choice["tile"] or several)
     if ply is not None and not whole_file:
         raise ValueError(
@@ -207,7 +207,7 @@ def _print_missing(missing: Mapping[str, ModuleNotFoundError]) -> None:
         )
 
 
-def _report_scores(report: Options, json_file: File) -> None:
+def _report_scores(report: "Fields", json_file: File) -> None:
     """Write a report as JSON where that is asked for, and print its tables."""
     if json_file is not None:
         with atomic_output(json_file) as part:

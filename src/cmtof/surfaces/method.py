@@ -2,10 +2,11 @@
 
 1. `cmtof.surfaces.field`: the phasors of each pixel, weighted so that likelihoods add up.
 2. `cmtof.surfaces.growing`: planes start in windows, grow over cells that fit, and may curve.
-3. `cmtof.surfaces.placing`: pixels take surfaces, whose beat and shape give their wraps.
-   `cmtof.surfaces.contacts`: surfaces that meet agree on them.
+3. `cmtof.surfaces.placing`: pixels take surfaces, whose beat (`cmtof.surfaces.beats`) and shape
+   give their wraps. `cmtof.surfaces.contacts`: surfaces that meet agree on them.
    `cmtof.surfaces.roughness`: how far pixels depart from their surface.
-4. Here: other pixels take the nearest one, the beat about them, or the vote of neighbours.
+4. Here: other pixels take the nearest one, or the beat about them.
+   `cmtof.surfaces.votes`: clear ones take the vote of their neighbours.
 """
 
 from collections.abc import Callable, Collection
@@ -201,9 +202,12 @@ def _own_offsets(
 ) -> placing.Offsets:
     """Offsets of surfaces by their own beat and shape, and by the axes of a room."""
     shape = "shape" not in without
-    beats = pooled_beats(field, cells)
     found = placing.offsets(
-        beats, grown.surfaces, grown.fit, shape=shape, closed="closure" in without
+        pooled_beats(field, cells),
+        grown.surfaces,
+        grown.fit,
+        shape=shape,
+        closed="closure" in without,
     )
     if shape and "axes" not in without and len(grown.surfaces):
         found = placing.use_axes(found, grown.surfaces, grown.fit, grown.label)
@@ -228,8 +232,8 @@ def _fill(depth: Array, far: Flags, measurement: Measurement) -> None:
 
 def _add_departures(field: Field, depth: Array, rough: Array) -> Array:
     """Depth (H, W), m, with the departure of each pixel of rough surfaces; clear ones vote."""
-    clear = information_of_beats(field, field.information) > CLEAR
-    variance = np.where(clear, 0, rough)
+    information = information_of_beats(field, field.information)
+    variance = np.where(information > CLEAR, 0, rough)
     if not variance.any():
         return depth
     phase = departure(field, turn_back(field, depth), variance)

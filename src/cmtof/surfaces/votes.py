@@ -104,8 +104,10 @@ def _winning_depth(ballot, ratio, far, limits):  # pragma: no cover - compiled
                 depths[count] = own + n
                 votes[count] = _support(ballot, ratio, y, x, own + n)
                 count += 1
-        best = int(np.argmax(votes[:count])) if count > 0 else 0
-        if count > 0 and votes[best] > _ENOUGH * _CAP:
+        if count == 0:
+            continue
+        best = np.argmax(votes[:count])
+        if votes[best] > _ENOUGH * _CAP:
             out[y, x] = depths[best]
             share[y, x] = 1 / np.sum(np.exp(votes[:count] - votes[best]))
     return out, share
