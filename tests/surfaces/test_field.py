@@ -22,6 +22,14 @@ def test_information_is_one_over_the_variance_of_the_phase_and_darkness_has_none
     assert bright == approx(1 / simulated_phase_noise(1.0) ** 2, rel=0.05)
 
 
+@mark.parametrize("bright", [0.15, 0.3, 1.0])
+def test_a_dim_wall_loses_little_of_its_information(bright):
+    """Pooled by their square roots, wrong weights K leave <sqrt K>^2 / <K> of the information."""
+    frame = plane_frame((0, 0, 1), np.full(SHAPE, bright))
+    weight = field_from_measurement(simulate(frame, noise=4000)).information
+    assert np.sqrt(weight).mean() ** 2 > 0.95 * weight.mean()
+
+
 @mark.parametrize("hidden", [0.0, 0.12])
 def test_noise_that_no_residual_shows_is_found_by_the_beats_of_neighbours(hidden, rng):
     """A phase error that is the same in all samples of a pixel, as by vibration."""

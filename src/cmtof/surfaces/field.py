@@ -9,7 +9,7 @@ frequencies: a surface is as likely as the sum over it.
 from typing import NamedTuple
 
 import numpy as np
-from scipy.ndimage import gaussian_filter
+from scipy.ndimage import uniform_filter
 
 from cmtof.constants import SPEED_OF_LIGHT
 from cmtof.correlation import TAU
@@ -22,8 +22,10 @@ ENOUGH = 60.0  # information from which on what moves both phases alike is known
 _SMALLEST = 64  # side, px, up to which smaller images are padded with pixels without information
 _SHARPEST = 3e-3  # least phase noise assumed, rad: without noise the shapes limit a fit
 _FOCAL_LENGTH = 1.2  # assumed without a camera, in widths of the image
-# Widths, px, over which amplitudes are averaged, and what sends a dark pixel to the next one.
-_SCALES = ((1.5, 1.0), (4.0, 0.15), (12.0, 0.0))
+# Sides, px, of squares over which signals are averaged, and how many deviations of noise a mean has
+# to stand out; where it does not, the next square counts.
+_SQUARES = (5, 15, 45, 135)
+_CLEARLY = 4.0
 
 
 class Field(NamedTuple):
@@ -110,7 +112,12 @@ def _weighted_phasors(measurement: Measurement) -> tuple[Complex, Array]:
 
 
 def _smooth_power(power: Array, known: Flags) -> Array:
-    """a^2 / s^2 (2, H, W) from |p|^2 / s^2 (2, H, W): one image, times the share of each tone."""
+    """a^2 / s^2 (2, H, W) from |p|^2 / s^2 (2, H, W): one image, times the share of each tone.
+
+    The mean over the smallest square that shows a signal: |p|^2 / s^2 without one is chi-squared
+    with two degrees of freedom, so that the mean of both tones over N pixels has the deviation
+    ``sqrt(2 / N)``. In the dark a smaller square would take noise for signal.
+    """
     share = np.array(
         [max(np.mean(p[known]) - 2, 1e-3) if known.any() else 1.0 for p in power]
     )
@@ -118,14 +125,13 @@ def _smooth_power(power: Array, known: Flags) -> Array:
     excess = power.mean(axis=0) - 2  # each component's noise adds 1 to |p|^2 / s^2
     left = known.copy()
     mean = np.zeros(known.shape)
-    for width, least in _SCALES:
+    for side in _SQUARES:
         images = left.astype(float), np.where(left, excess, 0)
-        weight, total = (
-            gaussian_filter(i, width, mode="constant", truncate=3.0) for i in images
-        )
+        weight, total = (uniform_filter(i, side, mode="constant") for i in images)
         found = np.maximum(total / np.maximum(weight, 1e-6), 1e-4)
         mean = np.where(left, found, mean)
-        left &= found < least
+        noise = np.sqrt(2 / np.maximum(weight, 1e-6)) / side
+        left &= found < _CLEARLY * noise
     return share[:, None, None] * mean
 
 
