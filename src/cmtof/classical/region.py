@@ -119,12 +119,12 @@ def _offset_odds(
 
 def _links(phase: Array, bright: Array, inside: Flags) -> list[Flags]:
     """True where a pixel is linked to the next row or column: phase and amplitude do not step."""
-    links = []
-    for axis in (0, 1):
-        gentle = abs(np.diff(phase, axis=axis)) <= STEP
-        gentle &= abs(np.diff(bright, axis=axis)) <= EDGE
-        links.append(gentle & np.delete(inside, -1, axis) & np.delete(inside, 0, axis))
-    return links
+    known = np.where(inside, phase, np.nan)  # a step to or from NaN is no small one
+    return [
+        (abs(np.diff(known, axis=axis)) <= STEP)
+        & (abs(np.diff(bright, axis=axis)) <= EDGE)
+        for axis in (0, 1)
+    ]
 
 
 def relative_phase(measurement: Measurement) -> Array:
