@@ -60,10 +60,8 @@ def spatial(measurement: Measurement) -> Estimate:
     frequency = measurement.frequencies[0]
     low, high = measurement.range
     relative = relative_phase(measurement)
-    inside = relative[measurement.mask] if measurement.mask.any() else relative
-    offset = np.rint(
-        (phase_from_depth((low + high) / 2, frequency) - np.median(inside)) / TAU
-    )
+    middle = np.median(relative[measurement.mask])
+    offset = np.rint((phase_from_depth((low + high) / 2, frequency) - middle) / TAU)
     depth = within_range(
         depth_from_phase(relative + TAU * offset, frequency), measurement
     )
@@ -133,7 +131,7 @@ def relative_phase(measurement: Measurement) -> Array:
 
     mask = measurement.mask
     phase = np.where(mask, measurement.phase[0], 0.0)
-    if 1 in mask.shape or not mask.any():  # scikit-image unwraps no lines
+    if 1 in mask.shape:  # scikit-image unwraps no lines
         phase[mask] = np.unwrap(phase[mask])
         return phase
     return np.asarray(
