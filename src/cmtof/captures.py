@@ -58,7 +58,7 @@ def read_capture(path: AnyPath) -> tuple[Array, Array | None]:
                 f"Expected a reference depth of shape {phase.shape}, got {depth.shape} in {other}. "
                 "Use the file of the same scene."
             )
-    return phase if least >= 0 else wrapped(phase), depth
+    return wrapped(phase), depth
 
 
 def _read_map(path: Path) -> Array:

@@ -12,7 +12,6 @@ import numpy as np
 import xarray as xr
 from numpy.typing import NDArray
 
-from cmtof.constants import NOISE_SIGMA
 from cmtof.correlation import consistent_wrap_count, wrap_count_from_depth
 from cmtof.estimate import wraps_in_range
 from cmtof.files import AnyPath
@@ -180,6 +179,7 @@ class Evaluation:
         self.notes: Texts = {}  # by frame
         self._tallies = {name: Tally() for name in self.methods}
         self._coverage = 0.0
+        self._simulated: Named = {}  # attributes of the last measurement
 
     def add(self, frame: Frame) -> Iterator[str]:
         """Simulate the next frame and run every method on it, yielding each name when done."""
@@ -206,7 +206,9 @@ class Evaluation:
         self.frames.append(frame.name)
         if frame.note:
             self.notes[frame.name] = frame.note
-        self._coverage += float(next(iter(measurements.values())).mask.mean())
+        first = next(iter(measurements.values()))
+        self._simulated = first.dataset.attrs
+        self._coverage += float(first.mask.mean())
 
     def add_all(self, frames: Iterable[Frame]) -> "Evaluation":
         """Run every method on every frame; return this evaluation."""
@@ -226,17 +228,10 @@ class Evaluation:
 
     def report(self) -> Fields:
         """Rates over all scored pixels of all frames, as ``cmtof evaluate --json`` writes them."""
-        conditions = {
-            "protocol": "released",
-            "noise": NOISE_SIGMA,
-            "seed": 0,
-        } | self.conditions
         return {
-            "protocol": conditions["protocol"],
-            "noise": 0.0
-            if conditions.get("noise_free")
-            else float(conditions["noise"]),
-            "seed": conditions["seed"],
+            "protocol": self._simulated["protocol"],
+            "noise": self._simulated["noise_sigma"],
+            "seed": self._simulated["seed"],
             "frames": self.frames,
             "notes": self.notes,
             "coverage": self._coverage / len(self.frames),

@@ -17,9 +17,9 @@ def bends(depth: ArrayLike) -> Flags:
     """Pixels (H, W) where a surface ends: depth bends by more than `BEND`, or is NaN."""
     depth = np.asarray(depth, float)
     ends = ~np.isfinite(depth)
-    for axis in (0, 1):
-        second = np.moveaxis(np.abs(np.diff(depth, n=2, axis=axis)), axis, 0)
-        np.moveaxis(ends, axis, 0)[1:-1] |= ~(second <= BEND)  # NaN counts as an end
+    for image, marks in ((depth, ends), (depth.T, ends.T)):
+        second = np.abs(np.diff(image, n=2, axis=0))
+        marks[1:-1] |= ~(second <= BEND)  # NaN counts as an end
     return ends
 
 
@@ -40,10 +40,9 @@ def hardness(depth: ArrayLike) -> Hardness:
     wrap = wrap_length(FREQUENCY_SINGLE)
     slopes = []
     jumps = []
-    for axis in (0, 1):
-        change = np.moveaxis(np.abs(np.diff(depth, axis=axis)), axis, 0)
-        end_pixels = np.moveaxis(ends, axis, 0)
-        is_jump = end_pixels[1:] & end_pixels[:-1]
+    for image, marks in ((depth, ends), (depth.T, ends.T)):
+        change = np.abs(np.diff(image, axis=0))
+        is_jump = marks[1:] & marks[:-1]
         slopes.append(change[np.isfinite(change) & ~is_jump] / wrap)
         # of the two pixels that a bend marks, the step lies between them
         jumps.append(change[is_jump & (change > BEND)] / wrap)

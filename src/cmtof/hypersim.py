@@ -102,9 +102,7 @@ class Hypersim:
             notes.append("no colour file: intensity 1 everywhere")
         else:
             green = read_array(color, 3)[..., 1].astype(np.float32)
-            intensity = np.nan_to_num(
-                green, nan=0.0, posinf=_BRIGHTEST, neginf=0.0
-            ).clip(0)
+            intensity = np.nan_to_num(green, posinf=_BRIGHTEST).clip(0)
         projection = self.projections.get(view.scene)
         camera = (
             None

@@ -98,11 +98,11 @@ def mesh_triangles(points: ArrayLike, *, longest: float = np.inf) -> Numbers:
     """
     points = np.asarray(points, float)
     number = np.arange(points[..., 0].size).reshape(points.shape[:2])
-    a = number[:-1, :-1]
-    b = number[:-1, 1:]
-    c = number[1:, :-1]
-    d = number[1:, 1:]
-    triangles = np.moveaxis(np.array([(a, c, b), (b, c, d)]), 1, -1).reshape(-1, 3)
+    first = number[:-1, :-1].reshape(-1, 1)  # pixel of each square of four
+    below = points.shape[1]
+    triangles = np.concatenate(
+        [np.add(first, [0, below, 1]), np.add(first, [1, below, below + 1])]
+    )
     corners = points.reshape(-1, 3)[triangles]
     sides = np.linalg.norm(corners - np.roll(corners, 1, axis=1), axis=-1)
     return triangles[(sides < longest).all(axis=1)]  # false for NaN as well

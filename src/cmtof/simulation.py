@@ -91,18 +91,15 @@ def _means(frame: Frame, depth: Array, frequencies: Array, psi: Array) -> Single
     # where no depth is known no light returns
     signal = np.where(np.isnan(depth), 0, np.clip(frame.intensity, 0, 1))
     signal = GAIN * INTEGRATION_TIME * signal.astype(np.float32)
-    depth = np.nan_to_num(depth)
-    means = np.empty((*psi.shape, *signal.shape), np.float32)
-    for f, frequency in enumerate(frequencies):
-        # turns are reduced in double precision: 700 wraps in float32 would lose a milliradian
-        angle = (TAU * (depth / wrap_length(frequency) % 1)).astype(np.float32)
-        x = np.cos(angle) * signal / np.pi
-        y = np.sin(angle) * signal / np.pi
-        for k, step in enumerate(psi[f]):
-            c = np.float32(np.cos(step))
-            s = np.float32(np.sin(step))
-            means[f, k] = x * c - y * s + signal / 2
-    return np.maximum(means, 0, out=means)  # rounding must not make a rate negative
+    turns = np.nan_to_num(depth) / wrap_length(frequencies)[:, None, None]
+    # turns are reduced in double precision: 700 wraps in float32 would lose a milliradian
+    angle = (TAU * (turns % 1)).astype(np.float32)[:, None]
+    x = np.cos(angle) * signal / np.pi
+    y = np.sin(angle) * signal / np.pi
+    c = np.cos(psi).astype(np.float32)[..., None, None]
+    s = np.sin(psi).astype(np.float32)[..., None, None]
+    # rounding must not make a rate negative
+    return np.maximum(x * c - y * s + signal / 2, 0)
 
 
 def staged_depth(

@@ -117,6 +117,8 @@ def reliability(
     >>> found.answers.tolist(), round(found.calibration_error, 3)
     ([1, 3], 0.2)
     """
+    from scipy.stats import binned_statistic
+
     confidences = np.ravel(np.asarray(confidence, float))
     is_right = np.ravel(np.asarray(right, bool))
     if (
@@ -127,11 +129,7 @@ def reliability(
             f"Expected a probability in [0, 1] for each of {is_right.size} answers, "
             f"got {confidences}. Leave out what was not answered."
         )
-    bin_of = np.minimum((confidences * bins).astype(int), bins - 1)
-    count = np.bincount(bin_of, minlength=bins)
-    count_or_nan = np.where(count > 0, count, np.nan)
-    return Reliability(
-        np.bincount(bin_of, confidences, bins) / count_or_nan,
-        np.bincount(bin_of, is_right, bins) / count_or_nan,
-        count,
+    (mean, share), _, number = binned_statistic(
+        confidences * bins, [confidences, is_right], "mean", bins, (0, bins)
     )
+    return Reliability(mean, share, np.bincount(number - 1, minlength=bins))

@@ -20,18 +20,23 @@ PLAIN = {
     "−": "-",
 }
 
-MODULES = {
-    "hardware": "pyvisa serial thorlabs_apt_protocol",
-    "lab": "cv2 pandas",
-    "networks": "onnxruntime safetensors",
-    "plot": "cycler matplotlib",
-    "rooms": "embreex trimesh",
-    "train": "lightning torch",
-    "view": "IPython pyvista",
-}
 # Extra of each module that comes with none of the package's own dependencies.
 EXTRAS = {
-    module: extra for extra, modules in MODULES.items() for module in modules.split()
+    "pyvisa": "hardware",
+    "serial": "hardware",
+    "thorlabs_apt_protocol": "hardware",
+    "cv2": "lab",
+    "pandas": "lab",
+    "onnxruntime": "networks",
+    "safetensors": "networks",
+    "cycler": "plot",
+    "matplotlib": "plot",
+    "embreex": "rooms",
+    "trimesh": "rooms",
+    "lightning": "train",
+    "torch": "train",
+    "IPython": "view",
+    "pyvista": "view",
 }
 
 

@@ -133,8 +133,7 @@ def source(name, size=(10, 12), fill=2.0):
     """View of a made-up tree."""
     depth = np.full(size, fill)
     depth[0, 0] = np.nan
-    light = np.full(size, 1.7)
-    return Source(name, lambda: Frame(depth, light))
+    return Source(name, lambda: Frame(depth, np.full(size, 1.7), name=name))
 
 
 def broken():

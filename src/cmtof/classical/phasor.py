@@ -32,7 +32,7 @@ def phasor(measurement: Measurement) -> Estimate:
     a guess. ValueError if the beat repeats within the range.
     """
     low, high = measurement.frequencies[:2]
-    extent = measurement.range[1] - measurement.range[0]
+    extent = np.ptp(measurement.range)
     covered = wrap_length(high - low)
     if round(high / low) != 1 or covered < extent * (1 - 1e-9):
         raise ValueError(
@@ -45,17 +45,21 @@ def phasor(measurement: Measurement) -> Estimate:
     phase = np.where(known, measurement.phase[:2], 0)
     amplitude = np.where(known, measurement.amplitude[:2], 0)
     best = np.full(measurement.shape, np.mean(measurement.range))
-    best_value = np.where(
-        known, -np.inf, np.inf
-    )  # a pixel without signal stays in the middle
+    # a pixel without signal stays in the middle
+    best_value = np.where(known, -np.inf, np.inf)
     for wraps in _candidates(phase, measurement):
-        depth = within_range(_peak(phase, amplitude, wraps, low, high), measurement)
+        depth = within_range(_peak(phase, amplitude, wraps, (low, high)), measurement)
         value = match(phase, amplitude, depth, (low, high))
         best = np.where(value > best_value, depth, best)
         best_value = np.maximum(value, best_value)
     noise = np.clip(noise, 1e-9, 1e9)
-    odds = wrap_probability(*noise, frequencies=(low, high))
-    return Estimate(best, np.maximum(odds, guess_probability(measurement)))
+    return Estimate(
+        best,
+        np.maximum(
+            wrap_probability(*noise, frequencies=(low, high)),
+            guess_probability(measurement),
+        ),
+    )
 
 
 def _candidates(phase: Array, measurement: Measurement) -> list[Array | int]:
@@ -70,33 +74,24 @@ def _candidates(phase: Array, measurement: Measurement) -> list[Array | int]:
     return [middle, middle - 1, middle + 1, first - 1, first, last - 1, last]
 
 
-def match(
-    phase: Array,
-    amplitude: Array,
-    depth: Array,
-    frequencies: Pair,
-) -> Array:
+def match(phase: Array, amplitude: Array, depth: Array, frequencies: Pair) -> Array:
     """F (H, W), counts, at depths (H, W), m, for phases, rad, and amplitudes, counts, (2, H, W)."""
-    pairs = zip(amplitude, frequencies, phase, strict=True)
-    return sum(a * np.cos(phase_from_depth(depth, f) - p) for a, f, p in pairs)  # pyright: ignore[reportReturnType]
+    off = phase_from_depth(depth, np.reshape(frequencies, (2, 1, 1))) - phase
+    return np.sum(amplitude * np.cos(off), axis=0)
 
 
 def _peak(
-    phase: Array,
-    amplitude: Array,
-    wraps: Array | int,
-    low: float,
-    high: float,
+    phase: Array, amplitude: Array, wraps: Array | int, frequencies: Pair
 ) -> Array:
     """Depth (H, W), m, of the peak of F at a wrap, from the phasors' sum and one Newton step."""
+    low, high = frequencies
+    tones = np.reshape(frequencies, (2, 1, 1))
     depth = depth_from_phase(phase[0] + TAU * np.asarray(wraps), low)
     apart = phase[1] - phase_from_depth(depth, high)
     total = amplitude[0] + amplitude[1] * np.exp(1j * apart)
     depth = depth + depth_from_phase(np.angle(total), low)
-    slope = curvature = np.zeros(depth.shape)
-    for a, f, p in zip(amplitude, (low, high), phase, strict=True):
-        off = phase_from_depth(depth, f) - p
-        slope = slope - a * f * np.sin(off)
-        curvature = curvature + a * f**2 * np.cos(off)
+    off = phase_from_depth(depth, tones) - phase
+    slope = -np.sum(amplitude * tones * np.sin(off), axis=0)
+    curvature = np.sum(amplitude * tones**2 * np.cos(off), axis=0)
     step = np.clip(quotient(slope, curvature) * low, -0.1, 0.1)
     return depth + depth_from_phase(step, low)

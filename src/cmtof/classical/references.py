@@ -80,14 +80,15 @@ def bodies(depth: Array) -> Numbers:
     at a crease.
     """
     links = []
-    for axis in (0, 1):
-        steps = np.moveaxis(np.diff(depth, axis=axis), axis, 0)
+    for image in (depth, depth.T):
+        steps = np.diff(image, axis=0)
         least = abs(steps)
         bend = abs(np.diff(steps, axis=0))
         for side in (np.s_[1:], np.s_[:-1]):
             least[side] = np.fmin(least[side], bend)
-        links.append(np.moveaxis(least <= BEND, 0, axis))
-    return components(*links)
+        links.append(least <= BEND)
+    down, across = links
+    return components(down, across.T)
 
 
 def _truth(measurement: Measurement) -> Array:

@@ -60,10 +60,8 @@ def spatial(measurement: Measurement) -> Estimate:
     frequency = measurement.frequencies[0]
     low, high = measurement.range
     relative = relative_phase(measurement)
-    inside = relative[measurement.mask] if measurement.mask.any() else relative
-    offset = np.rint(
-        (phase_from_depth((low + high) / 2, frequency) - np.median(inside)) / TAU
-    )
+    middle = np.median(relative[measurement.mask])
+    offset = np.rint((phase_from_depth((low + high) / 2, frequency) - middle) / TAU)
     depth = within_range(
         depth_from_phase(relative + TAU * offset, frequency), measurement
     )
@@ -119,12 +117,12 @@ def _offset_odds(
 
 def _links(phase: Array, bright: Array, inside: Flags) -> list[Flags]:
     """True where a pixel is linked to the next row or column: phase and amplitude do not step."""
-    links = []
-    for axis in (0, 1):
-        gentle = abs(np.diff(phase, axis=axis)) <= STEP
-        gentle &= abs(np.diff(bright, axis=axis)) <= EDGE
-        links.append(gentle & np.delete(inside, -1, axis) & np.delete(inside, 0, axis))
-    return links
+    known = np.where(inside, phase, np.nan)  # a step to or from NaN is no small one
+    return [
+        (abs(np.diff(known, axis=axis)) <= STEP)
+        & (abs(np.diff(bright, axis=axis)) <= EDGE)
+        for axis in (0, 1)
+    ]
 
 
 def relative_phase(measurement: Measurement) -> Array:
@@ -133,7 +131,7 @@ def relative_phase(measurement: Measurement) -> Array:
 
     mask = measurement.mask
     phase = np.where(mask, measurement.phase[0], 0.0)
-    if 1 in mask.shape or not mask.any():  # scikit-image unwraps no lines
+    if 1 in mask.shape:  # scikit-image unwraps no lines
         phase[mask] = np.unwrap(phase[mask])
         return phase
     return np.asarray(

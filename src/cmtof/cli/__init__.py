@@ -41,11 +41,9 @@ def main(arguments: list[str] | None = None) -> None:
     """Run the command line; an error becomes one line on stderr and exit code 1."""
     prepare_streams()
     # an exit by exception removes unfinished files
-    for name in ("SIGTERM", "SIGHUP", "SIGQUIT"):
-        if hasattr(signal, name):
-            signal.signal(
-                getattr(signal, name), lambda number, _: sys.exit(128 + number)
-            )
+    for ending in signal.Signals:
+        if ending.name in ("SIGTERM", "SIGHUP", "SIGQUIT"):
+            signal.signal(ending, lambda number, _: sys.exit(128 + number))
     words = list(sys.argv[1:] if arguments is None else arguments)
     try:
         # the libraries' own are for their developers; ours are one line

@@ -62,16 +62,12 @@ def one_error(name: str, otherwise: type[InstrumentError] = BadReply) -> Iterato
             else otherwise
         )
         message = _PATTERNS[kind].format(name, " ".join(str(error).split())[:200])
-        raise kind(" ".join([message, *_hints(error)])) from None
+        hints = [HINTS.get(getattr(error, "errno", 0), "")]
+        hints += [hint for words, hint in PHRASES.items() if words in str(error)]
+        raise kind(" ".join(filter(None, [message, *hints]))) from None
 
 
-def _hints(error: Exception) -> list[str]:
-    """Advice against an error that the operating system or a library reports; may be empty."""
-    number = getattr(error, "errno", None)
-    found = [HINTS[number]] if number in HINTS else []
-    return found + [hint for words, hint in PHRASES.items() if words in str(error)]
-
-
+# Advice against errors of the operating system, by number, and of libraries, by their words.
 HINTS = {
     errno.EACCES: (
         "Add yourself to the group dialout (`sudo usermod -aG dialout $USER`) and log in again; "

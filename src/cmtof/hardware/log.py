@@ -1,6 +1,5 @@
 """Log of requests to devices and their replies."""
 
-from collections.abc import Callable
 from datetime import datetime
 from typing import Any, TextIO
 
@@ -15,19 +14,12 @@ class Logged:
 
     def __getattr__(self, attribute: str) -> Any:
         found = getattr(self._connection, attribute)
-        return self._log_calls(found) if attribute in TALK else found
-
-    def __setattr__(self, attribute: str, value: Any) -> None:
-        setattr(self._connection, attribute, value)
-
-    def _log_calls(self, act: Callable[..., Any]) -> Callable[..., Any]:
-        """The method, wrapped so that its request, reply or error is logged."""
 
         def call(*arguments: Any) -> Any:
-            if arguments and act.__name__ in ("write", "ask"):
+            if attribute in ("write", "ask"):
                 self._note(">", arguments[0])
             try:
-                reply = act(*arguments)
+                reply = found(*arguments)
             except Exception as error:
                 self._note("!", error)
                 raise
@@ -35,7 +27,10 @@ class Logged:
                 self._note("<", reply)
             return reply
 
-        return call
+        return call if attribute in TALK else found
+
+    def __setattr__(self, attribute: str, value: Any) -> None:
+        setattr(self._connection, attribute, value)
 
     def _note(self, direction: str, content: object) -> None:
         text = content.hex(" ") if isinstance(content, bytes) else str(content).strip()

@@ -93,8 +93,8 @@ def plan_scan(rig: Rig, *, size: int | Shape = 64) -> Plan:
     middle = np.array([width, height]) / 2
     focal = middle / np.tan(np.deg2rad(rig.field_of_view_deg) / 2)
     camera = np.array([*focal, *middle])
-    x, y, z = np.moveaxis(rays_from_camera((height, width), camera), -1, 0)
-    angles = np.stack([np.arctan2(x, z), np.arctan2(y, z)], axis=-1)
+    rays = rays_from_camera((height, width), camera)
+    angles = np.arctan2(rays[..., :2], rays[..., 2:])
     largest_volts = np.abs(mirror_volts(rig, angles)).max()
     if largest_volts > 10:
         raise ValueError(

@@ -20,12 +20,13 @@ from typing import Any, NamedTuple
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
+from xarray import Dataset, concat
 
 from cmtof.correlation import TAU, centred, decode, phase_from_depth
 from cmtof.hardware.plan import REFERENCE_BURSTS, LineRecord, Plan
 from cmtof.hardware.rig import MODES
 from cmtof.measurement import Measurement
-from cmtof.types import Array, Counts, Fields, Named, Pair
+from cmtof.types import Array, Counts, Named, Pair
 
 FULL_SCALE = 65535  # of a 16-bit stream sample; it and 0 mean that the converter clips
 MIN_CONTRAST = 1e-3  # of the reference target; below there is no phase to calibrate on
@@ -147,57 +148,53 @@ def measurement_from_records(
     clock of the bursts' numbers), the attribute ``sample_rate`` (Hz), and of each
     frequency what the reference target showed. Pixels where the converter clips are masked.
     """
-    found = [_arrays_of_mode(plan, header, mode, records) for mode in MODES]
-    arrays = {name: np.stack([mode[name] for mode in found]) for name in found[0]}
-    data = Measurement.from_arrays(
-        arrays.pop("correlation"),
-        arrays.pop("psi"),
-        [order * plan.rig.drive_frequency(mode) for mode, order in MODES.items()],
-        mask=~arrays.pop("clipped").any(axis=0),
-        camera=plan.camera,
-        protocol="scan",
-        saturation=FULL_SCALE,
-        sample_rate=float(np.mean([record.rate for record in records])),
-        **{
-            k: json.dumps(v) if isinstance(v, list | dict) else v
-            for k, v in header.items()
-        },
-    ).dataset
-    dims = {1: (), 3: ("y", "x"), 4: ("step", "y", "x")}
-    for name, units in {"detuning": "Hz", "reflected_power": "dBm"}.items():
-        data[name] = (("frequency", "y", "module"), arrays.pop(name), {"units": units})
-    for name, array in arrays.items():
-        data[name] = (("frequency", *dims[array.ndim]), array)
-    data["angle"] = (("y", "x", "axis"), plan.angles, {"units": "rad"})
-    data["correlation"].attrs["units"] = "V"
-    data["laser_power"].attrs["units"] = "W"
-    return Measurement(data.set_coords("time"))
+    modes = [_images_of_mode(plan, header, mode, records) for mode in MODES]
+    data = concat(modes, "frequency").set_coords("time")
+    data["mask"] = ~data["clipped"].any("frequency")
+    data["camera"] = "parameter", plan.camera
+    data["angle"] = ("y", "x", "axis"), plan.angles, {"units": "rad"}
+    data.attrs = {
+        "protocol": "scan",
+        "saturation": FULL_SCALE,
+        "sample_rate": float(np.mean([record.rate for record in records])),
+    }
+    for name, value in header.items():
+        data.attrs[name] = (
+            json.dumps(value) if isinstance(value, list | dict) else value
+        )
+    return Measurement(data.drop_vars("clipped"))
 
 
-def _arrays_of_mode(
+def _images_of_mode(
     plan: Plan,
     header: Named,
     mode: str,
     records: Sequence[LineRecord],
-) -> Fields:
-    """Arrays of one mode, from its records, by the names of a measurement's variables."""
+) -> Dataset:
+    """Part of a measurement that belongs to one mode, from its records."""
     gain = Gain(*header["calibration"])
     offset, drift = psi_correction(plan, header, mode, records)
     image, counts = lines_of(plan, records, mode, "scan")
     dark = lines_of(plan, records, mode, "dark")[1].mean()
     power = image.power[:, None]
-    light = gain.volts_from_counts(counts) - gain.volts_from_counts(dark)
-    volts = light * (power[0] / power)[..., None]
-    return {
-        "psi": np.mod(nominal_psi(plan.rig.phases) + offset, TAU),
-        "correlation": np.moveaxis(volts, -1, 0).astype(np.float32),
-        "raw_counts": np.moveaxis(counts, -1, 0).astype(np.float32),
-        "clipped": image.clipped > 0,
-        "dark": dark,
-        "laser_power": np.broadcast_to(power, image.times.shape),
-        "time": image.times,
-        "detuning": image.locks[..., 0],
-        "reflected_power": image.locks[..., 1],
-        "phase_offset": offset,
-        "phase_drift": drift,
-    }
+    volts = gain.volts_from_counts(counts) - gain.volts_from_counts(dark)
+    volts *= (power[0] / power)[..., None]
+    watts = np.broadcast_to(power, image.times.shape)
+    line = ("y", "x")
+    drives = ("y", "module")
+    return Dataset(
+        {
+            "correlation": ((*line, "step"), volts.astype(np.float32), {"units": "V"}),
+            "psi": ("step", np.mod(nominal_psi(plan.rig.phases) + offset, TAU)),
+            "raw_counts": ((*line, "step"), counts.astype(np.float32)),
+            "clipped": (line, image.clipped > 0),
+            "dark": dark,
+            "laser_power": (line, watts, {"units": "W"}),
+            "time": (line, image.times),
+            "detuning": (drives, image.locks[..., 0], {"units": "Hz"}),
+            "reflected_power": (drives, image.locks[..., 1], {"units": "dBm"}),
+            "phase_offset": offset,
+            "phase_drift": drift,
+        },
+        {"frequency": MODES[mode] * plan.rig.drive_frequency(mode)},
+    ).transpose("step", ...)

@@ -136,10 +136,11 @@ class Rig:
     def __post_init__(self) -> None:
         for role in DRIVERS | self.devices:
             found = self.devices[role].driver if role in self.devices else "none"
-            wanted = DRIVERS.get(role, ("no such role",))
-            if found not in wanted or role not in DRIVERS:
+            wanted = DRIVERS.get(role, ())
+            if found not in wanted:
+                names = " or ".join(wanted) or "no such role"
                 raise ValueError(
-                    f"Expected devices.{role}: {' or '.join(wanted)}, got {found}. Correct it."
+                    f"Expected devices.{role}: {names}, got {found}. Correct it."
                 )
         if self.power_dbm > self.power_dbm_limit:
             raise ValueError(

@@ -11,7 +11,7 @@ from typing import Any, Self
 from cmtof.hardware.device import Unsafe
 
 _NAMES = ("SIGINT", "SIGTERM", "SIGHUP", "SIGQUIT")  # Windows lacks the last two
-_SIGNALS = tuple(getattr(signal, name) for name in _NAMES if hasattr(signal, name))
+_SIGNALS = [one for one in signal.Signals if one.name in _NAMES]
 
 
 def _stop_device(device: Any) -> str:

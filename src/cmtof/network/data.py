@@ -15,7 +15,7 @@ from torch.utils.data import Dataset
 
 from cmtof.constants import FREQUENCIES, GAIN, INTEGRATION_TIME, SPEED_OF_LIGHT
 from cmtof.correlation import TAU, wrap_length
-from cmtof.frame import Source
+from cmtof.frame import Frames, Source
 from cmtof.hypersim import Hypersim
 from cmtof.measurement import unambiguous_range
 from cmtof.network.features import CLASSES, features
@@ -182,22 +182,21 @@ Packs = tuple[Pack | None, Pack]  # to train and to validate on
 
 def pack_views(views: Sequence[Source]) -> Pack:
     """Views in memory; one that is broken, empty, or of another size is left out with a warning."""
+    frames = Frames(views)
     depths = []
     lights = []
-    for view in views:
-        try:
-            depth = (frame := view.load()).depth
-            light = frame.intensity
-            shape = depths[0].shape if depths else depth.shape
-            if depth.shape != shape or not np.isfinite(depth).any():
-                raise ValueError(
-                    f"Expected depths of {shape} px, got {depth.shape} or none. Look at it."
-                )
-        except (OSError, ValueError) as error:
-            warnings.warn(f"{view.name} is left out. {error}", stacklevel=2)
+    for frame in frames:
+        shape = depths[0].shape if depths else frame.depth.shape
+        if frame.depth.shape != shape:
+            frames.skipped[frame.name] = (
+                f"Expected depths of {shape} px, got {frame.depth.shape} or none. "
+                "Look at it."
+            )
             continue
-        depths.append(depth.astype(np.float32))
-        lights.append(np.clip(light, 0, 1).astype(np.float16))
+        depths.append(frame.depth)
+        lights.append(np.clip(frame.intensity, 0, 1).astype(np.float16))
+    for name, reason in frames.skipped.items():
+        warnings.warn(f"{name} is left out. {reason}", stacklevel=2)
     if not depths:
         raise ValueError(
             "Expected views to train and to validate on, got none. Render 10 scenes or more."

@@ -83,10 +83,13 @@ def separable(
     )
 
 
-def resize_like(x: Tensor, like: Tensor) -> Tensor:
-    """Images (B, C, H, W) resized to those of ``like``, bilinearly, pixel centres at +0.5."""
+def resize_like(x: Tensor, like: Tensor, aligned: bool = False) -> Tensor:
+    """Images (B, C, H, W) resized to those of ``like``, bilinearly.
+
+    Pixel centres lie at +0.5 or, if ``aligned``, those of the corners on each other.
+    """
     return functional.interpolate(
-        x, size=like.shape[-2:], mode="bilinear", align_corners=False
+        x, size=like.shape[-2:], mode="bilinear", align_corners=aligned
     )
 
 

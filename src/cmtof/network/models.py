@@ -254,9 +254,9 @@ class PublicFastSCNN(Network):
 
     def body(self, x: Tensor) -> Tensor:
         fine = self.down(x)  # (B, 64, H/2, W/2)
-        deep = self.deep(public.resize_aligned(self.extract(fine), fine))
+        deep = self.deep(resize_like(self.extract(fine), fine, aligned=True))
         mixed = functional.relu(deep + self.fine(fine))
-        return public.resize_aligned(self.classify(mixed), x)
+        return resize_like(self.classify(mixed), x, aligned=True)
 
 
 class UNet(Network):

@@ -5,16 +5,8 @@ Facts from https://github.com/princeton-computational-imaging/GHz-ToF, ``net/arc
 
 import torch
 from torch import Tensor, nn
-from torch.nn import functional
 
-from cmtof.network.layers import ImageNorm, conv
-
-
-def resize_aligned(x: Tensor, like: Tensor) -> Tensor:
-    """Images (B, C, H, W) resized to those of ``like``, bilinearly, with aligned corners."""
-    return functional.interpolate(
-        x, size=like.shape[-2:], mode="bilinear", align_corners=True
-    )
+from cmtof.network.layers import ImageNorm, conv, resize_like
 
 
 def averaging_matrix(size: int, count: int, like: Tensor) -> Tensor:
@@ -53,5 +45,5 @@ class PublicPyramid(nn.Module):
                 @ x
                 @ averaging_matrix(width, count, x).T
             )
-            found.append(resize_aligned(branch(mean), x))
+            found.append(resize_like(branch(mean), x, aligned=True))
         return self.join(torch.cat(found, 1))

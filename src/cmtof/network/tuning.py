@@ -1,6 +1,6 @@
 """Fine-tuning of a trained network on labelled measurements of an instrument (Sec. 6.4)."""
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from copy import deepcopy
 
 import numpy as np
@@ -53,14 +53,14 @@ def fine_tune(
     views = _views(trained, examples)
     crop = min(crop, *(min(view[1].shape) for view in views))
     rng = default_rng(seed)
-    tuner = Tuner(trained.network, steps, learning_rate)
-    for _ in range(steps):
-        tuner.learn(
-            [
-                _augmented_crop(views[k], tuner.network, crop, rng)
-                for k in rng.integers(len(views), size=batch)
-            ]
-        )
+
+    def draw_crops() -> list[Sample]:
+        return [
+            _augmented_crop(views[k], trained.network, crop, rng)
+            for k in rng.integers(len(views), size=batch)
+        ]
+
+    average, losses = _tune(trained.network, draw_crops, steps, learning_rate)
     note = {
         "steps": steps,
         "learning_rate": learning_rate,
@@ -68,31 +68,30 @@ def fine_tune(
         "seed": seed,
     }
     card = trained.card.model_copy(update={"fine_tuned": note})
-    return weights.Trained(tuner.average.eval(), card), tuner.losses
+    return weights.Trained(average, card), losses
 
 
-class Tuner:
-    """Copy of a network that is fine-tuned, its optimiser, and the average of its weights."""
-
-    def __init__(self, network: Network, steps: int, rate: float) -> None:
-        self.losses: list[float] = []  # of each step, before the weights learn from it
-        self.average = deepcopy(network).requires_grad_(False)
-        self.network = deepcopy(network).to(memory_format=torch.channels_last).train()  # pyright: ignore[reportCallIssue]
-        for layer in norms(self.network):
-            layer.eval()
-        self.optimizer = optimizer_of(self.network, "muon", rate)
-        self.fall = torch.optim.lr_scheduler.LinearLR(self.optimizer, 1.0, 0.0, steps)
-
-    def learn(self, pieces: list[Sample]) -> None:
-        """Take one optimisation step on a batch of crops, and record its loss."""
-        loss = loss_of(self.network, default_collate(pieces))
-        self.optimizer.zero_grad()
+def _tune(
+    trained: Network, draw_crops: Callable[[], list[Sample]], steps: int, rate: float
+) -> tuple[Network, list[float]]:
+    """Averaged copy of a network that learns from crops, and the loss of each step before it."""
+    average = deepcopy(trained).requires_grad_(False)
+    network = deepcopy(trained).to(memory_format=torch.channels_last).train()  # pyright: ignore[reportCallIssue]
+    for layer in norms(network):
+        layer.eval()
+    optimizer = optimizer_of(network, "muon", rate)
+    fall = torch.optim.lr_scheduler.LinearLR(optimizer, 1.0, 0.0, steps)
+    losses = []
+    for step in range(steps):
+        loss = loss_of(network, default_collate(draw_crops()))
+        optimizer.zero_grad()
         loss.backward()
-        nn.utils.clip_grad_norm_(self.network.parameters(), 2.0)
-        self.optimizer.step()
-        average_into(self.average, self.network, len(self.losses), 0.99)
-        self.fall.step()
-        self.losses.append(loss.item())
+        nn.utils.clip_grad_norm_(network.parameters(), 2.0)
+        optimizer.step()
+        average_into(average, network, step, 0.99)
+        fall.step()
+        losses.append(loss.item())
+    return average.eval(), losses
 
 
 def _views(trained: weights.Trained, examples: Sequence[Example]) -> list[tuple]:
