@@ -111,7 +111,8 @@ def stage_notebook(executed: Path, target: Path) -> None:
     place_shown(notebook, executed.stem)
     lead_with_figure(notebook)
     join_folded(notebook)
-    about = pages.page("provenance", **notebook.metadata.pop("cmtof"))
+    about = pages.page("provenance", **notebook.metadata)
+    del notebook.metadata["cmtof"]
     notebook.cells.append(new_markdown_cell(about))
     for number, cell in enumerate(notebook.cells):
         if cell.cell_type == "markdown":
