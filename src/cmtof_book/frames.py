@@ -31,8 +31,9 @@ def views_of_size(height: int, width: int) -> list[Frame]:
     return [view_across(int(room.rpartition("_")[2]), settings) for room in rooms]
 
 
-def views(settings: Settings = SETTINGS, *, tested: bool = True) -> Iterator[Frame]:
+def views(seed: int = SETTINGS.seed, *, tested: bool = True) -> Iterator[Frame]:
     """Views of which 20 to 90 % are scored; not ``tested``: of rooms for training, validation."""
+    settings = replace(SETTINGS, seed=seed)
     for index in range(settings.scenes):
         if (split_of(index) == "test") == tested:
             frame = view_across(index, settings)
