@@ -13,7 +13,6 @@ the two frequencies, mrad (Table 3). The file is named by table and options.
 import json
 import os
 from collections.abc import Iterable, Iterator, Sequence
-from itertools import zip_longest
 from pathlib import Path
 from typing import Annotated, Literal, NamedTuple
 
@@ -82,9 +81,9 @@ def count(held: Values, row: Row, frames: Iterable[Frame]) -> None:
         held["weights"][row.name] = row.weights
         evaluation.options = {"weights": row.file}
     counts = evaluation.add_all(frames).counts()
-    for new, old in zip_longest(counts, held["frames"], fillvalue={"methods": {}}):
-        new["methods"] = old["methods"] | {row.name: new["methods"][row.method]}
-    held["frames"] = counts
+    held["frames"] = held["frames"] or [one | {"methods": {}} for one in counts]
+    for old, new in zip(held["frames"], counts, strict=True):
+        old["methods"][row.name] = new["methods"][row.method]
     scores = evaluation.report()["methods"][row.method]
     print(row.name, {key: round(rate, 4) for key, rate in scores.items()}, flush=True)
 
