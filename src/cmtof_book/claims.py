@@ -9,7 +9,7 @@ from typing import NamedTuple
 from cmtof.files import read_document
 from cmtof.types import Texts
 from cmtof_book import Values, pages
-from cmtof_book.markdown import replaced
+from cmtof_book.notes import replaced
 from cmtof_book.paper import estimate_text, quantity_text, result_text
 from cmtof_book.record import Record
 from cmtof_book.scoreboard import Scores

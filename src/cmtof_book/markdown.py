@@ -15,9 +15,7 @@ notebook                                        page
 Every other link stays as it is.
 """
 
-import re
-
-from cmtof.types import Texts
+from cmtof_book.notes import replaced
 
 RULES = {
     # at the start of a line it would begin a comment
@@ -37,10 +35,3 @@ RULES = {
 def myst(text: str) -> str:
     """Return the text of a page from that of a notebook's cell."""
     return replaced(text, RULES)
-
-
-def replaced(text: str, rules: Texts) -> str:
-    """Replace one pattern after another by its text."""
-    for pattern, put in rules.items():
-        text = re.sub(pattern, put, text)
-    return text

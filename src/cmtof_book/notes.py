@@ -4,8 +4,8 @@ import re
 from collections.abc import Iterable, Sequence
 from inspect import cleandoc
 
+from cmtof.types import Texts
 from cmtof_book import Values, record
-from cmtof_book.markdown import replaced
 
 NUMBER = re.compile(r"\W*(\d|inf|nan|$)")
 # How a table sets powers of ten, minus signs and comparisons, and where it breaks no line.
@@ -56,3 +56,10 @@ def table(
     if fold:
         text = f"<details><summary>{fold}</summary>\n\n{text}\n\n</details>"
     display(Markdown(text))
+
+
+def replaced(text: str, rules: Texts) -> str:
+    """Replace one pattern after another by its text."""
+    for pattern, put in rules.items():
+        text = re.sub(pattern, put, text)
+    return text

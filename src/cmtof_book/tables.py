@@ -53,17 +53,18 @@ class Row(NamedTuple):
         return counted and held["weights"].get(self.name, "") == self.weights
 
 
-def rows_of_methods(methods: Sequence[str], protocol: str) -> Iterator[Row]:
-    """A row for each method; without names those that are ready, and the references."""
+def rows_of(methods: Sequence[str], protocol: str, runs: Path | None) -> Iterator[Row]:
+    """A row for each training in a folder, or each method.
+
+    Without names: the methods that are ready, and the references.
+    """
+    if runs:
+        for file in sorted(runs.glob(f"*/*.{protocol}.safetensors")):
+            yield Row(file.parent.name, read_card(file).model, file)
+        return
     references = [name for name, one in METHODS.items() if one.kind == "reference"]
     for one in map(find_method, methods or [*names_of("all", protocol), *references]):
         yield Row(one.name, one.name, weights_path(one.network, protocol))
-
-
-def rows_of_runs(runs: Path, protocol: str) -> Iterator[Row]:
-    """A row for each training in a folder."""
-    for file in sorted(runs.glob(f"*/*.{protocol}.safetensors")):
-        yield Row(file.parent.name, read_card(file).model, file)
 
 
 def path_of(settings: Values, size: str, runs: Path | None) -> Path:
@@ -115,7 +116,7 @@ def main(
     held = read_json(path)
     if held.get("settings") != settings:
         held = {"settings": settings, "size": size, "weights": {}, "frames": []}
-    rows = rows_of_runs(runs, protocol) if runs else rows_of_methods(methods, protocol)
+    rows = rows_of(methods, protocol, runs)
     rows = [row for row in rows if again or not row.is_counted(held)]
     if rows:
         frames = views_of_size(*shape_from_text(size)) if size else held_out_frames()
