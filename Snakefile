@@ -53,7 +53,7 @@ rule all:
 
 rule notebook:
     input:
-        lambda wildcards: graph.inputs(wildcards.notebook),
+        lambda wildcards: graph.inputs(f"notebooks.{wildcards.notebook}"),
         "environment.lock",
         "src/cmtof_book/execute.py",
         "tools/execute.sh",
@@ -73,7 +73,7 @@ rule stage:
         executed=expand(f"{BUILD}/notebooks/{{notebook}}.ipynb", notebook=NOTEBOOKS),
         results=expand(f"{BUILD}/results/{{notebook}}", notebook=NOTEBOOKS),
         chapters=CHAPTERS,
-        tool=graph.tool("stage"),
+        tool=graph.inputs("cmtof_book.stage"),
     output:
         directory(f"{BUILD}/stage"),
     shell:
@@ -90,7 +90,7 @@ rule book:
     input:
         f"{BUILD}/stage",
         "environment.lock",
-        graph.tool("render"),
+        graph.inputs("cmtof_book.render"),
     output:
         directory(f"{BUILD}/html"),
     log:

@@ -38,12 +38,11 @@ def large_frame() -> Any:
     from cmtof.scenes import Frame, load_frame
 
     small = load_frame("room")
-    old = small.depth.shape
-    place = np.ix_(
-        *(np.arange(n) * held // n for n, held in zip(SHAPE, old, strict=True))
-    )
-    camera = small.camera * np.tile(np.divide(SHAPE, old)[::-1], 2)
-    return Frame(small.depth[place], small.intensity[place], camera, "room, enlarged")
+    factor = SHAPE[0] / small.depth.shape[0]  # along rows as along columns
+    rows, columns = (np.indices(SHAPE) / factor).astype(int)
+    light = small.intensity[rows, columns]
+    camera = small.camera * factor
+    return Frame(small.depth[rows, columns], light, camera, "room, enlarged")
 
 
 def ratios() -> None:

@@ -1,6 +1,5 @@
 """The paper's ten main claims: the table on the first page, a page each, and our own findings."""
 
-import re
 from collections import defaultdict
 from collections.abc import Iterable
 from functools import partial
@@ -10,13 +9,17 @@ from typing import NamedTuple
 from cmtof.files import read_document
 from cmtof.types import Texts
 from cmtof_book import Values, pages
+from cmtof_book.notes import replaced
 from cmtof_book.paper import estimate_text, quantity_text, result_text
 from cmtof_book.record import Record
 from cmtof_book.scoreboard import Scores
 from cmtof_book.verdict import RANK, Score, sentence
 
 DOCUMENT = read_document(Path(__file__).with_name("claims.yml"))
-UNIT = re.compile(r"(?<=\d) (?=[%µ]|[GM]?Hz|rad|points|[fkmp]?[ms]\b)")
+UNITS = {  # set apart from their number, on the same line
+    r"(?<=\d)%": " %",
+    r"(?<=\d) (?=[%µ]|[GM]?Hz|rad|points|[fkmp]?[ms]\b)": "\u00a0",
+}
 
 
 class Claim(NamedTuple):
@@ -99,8 +102,7 @@ def numbers_of(scores: Scores, records: Iterable[Record]) -> Values:
 
 def fill_in(text: str, numbers: Values) -> str:
     """Put numbers into a text of ``claims.yml``; a line never breaks before a unit."""
-    spaced = re.sub(r"(?<=\d)%", " %", text.format(**numbers))
-    return UNIT.sub("\u00a0", spaced)
+    return replaced(text.format(**numbers), UNITS)
 
 
 def texts(scores: Scores, records: list[Record]) -> Texts:

@@ -27,7 +27,7 @@ from cmtof.simulation import staged_depth
 from cmtof.statistics import conformal_quantile
 from cmtof.types import Array, Fields, Values
 from cmtof_book import RESULTS
-from cmtof_book.frames import SETTINGS, views
+from cmtof_book.frames import views
 from cmtof_book.scanned import SHOWN, Counts, counts_of, kept_scan
 
 EVERY = 16  # pixels, of which one counts in the calibration
@@ -45,14 +45,9 @@ SCANS = {"scans, photon": "photon", "scans, captures": "captures"}  # and their 
 HYBRID = ("released, σ = 1200", "full, σ = 1200")  # conditions of this method
 
 
-def rooms(seed: int, count: int) -> Iterable[Frame]:
-    """Views of rooms, none of which is of the test set."""
-    return islice(views(replace(SETTINGS, seed=seed), tested=False), count)
-
-
 def calibrate_sets() -> Values:
     """Half-widths of the sets over the odds against a pixel's wraps."""
-    frames = [*rooms(301, 80)]
+    frames = [*islice(views(301, tested=False), 80)]
     seen = zip(*(measurements(one, frames) for one in CONDITIONS), strict=True)
     scores = [np.concatenate([*map(scores_of, room)]) for room in seen]
     return {name: conformal_quantile(scores, int(name[-2:]) / 100) for name in SETS}
@@ -107,7 +102,7 @@ def main() -> None:
     counts = Counts(RESULTS / "coverage.json")
     counts.store(command="python -m cmtof_book.coverage", version=__version__)
     counts.keep("half-widths", of=calibrate_sets)
-    frames = [*rooms(613, 40)]
+    frames = [*islice(views(613, tested=False), 40)]
     every = [*CONDITIONS, *UNEVEN, *SCANS]
     for method, conditions in {"surfaces": every, "hybrid": HYBRID}.items():
         for one in conditions:

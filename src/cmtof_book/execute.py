@@ -11,15 +11,13 @@ whole; the Snakefile puts what a failed run leaves into ``build/PROFILE/failed``
 import json
 import subprocess
 import sys
-import time
 from importlib import metadata
 from pathlib import Path
 from typing import Any
 
 # jsonschema, by which notebooks are checked and numbers glued, would compile a grammar of
 # internationalised URIs for seconds, here and in the kernel; it does without when there is none
-NO_GRAMMAR = "import sys; sys.modules['rfc3987_syntax'] = None"
-exec(NO_GRAMMAR)
+sys.modules["rfc3987_syntax"] = None  # pyright: ignore[reportArgumentType]
 
 import nbformat  # noqa: E402
 import papermill  # noqa: E402
@@ -35,7 +33,6 @@ LIBRARIES = ("numpy", "scipy", "numba", "scikit-image", "sympy", "xarray", "matp
 
 def execute(script: Path, parameters: Values, result: Path) -> None:
     """Run a notebook; ``result`` shows how far it came."""
-    started = time.time()
     nbformat.write(notebook_from_script(script), result)
     defaults = {
         name: one["default"] for name, one in papermill.inspect_notebook(result).items()
@@ -54,18 +51,17 @@ def execute(script: Path, parameters: Values, result: Path) -> None:
         progress_bar=False,
         start_timeout=600,  # s; a busy machine takes more than the usual minute
     )
-    # what the last block of the page tells about this run
+    # what the last block of the page tells about this run, beside papermill's own notes
     executed.metadata["cmtof"] = {
         "parameters": {**defaults, **parameters},
         "version": metadata.version("cmtof"),
         "commit": subprocess.getoutput(COMMIT),
-        "date": time.strftime("%Y-%m-%d %H:%M UTC", time.gmtime(started)),
-        "seconds": round(time.time() - started, 1),
-        "python": sys.version.split()[0],
         "libraries": {name: metadata.version(name) for name in LIBRARIES},
     }
     nbformat.write(executed, result)
-    print(f"{script.stem}: {time.time() - started:.1f} s", file=sys.stderr)
+    print(
+        f"{script.stem}: {executed.metadata.papermill.duration:.1f} s", file=sys.stderr
+    )
 
 
 if __name__ == "__main__":

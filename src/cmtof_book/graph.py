@@ -66,23 +66,19 @@ def notebooks() -> list[str]:
     return re.findall(r"^\s*- file: notebooks/(\S+)$", text, re.MULTILINE)
 
 
-def inputs(stem: str) -> list[str]:
-    """Every file that a notebook reaches or reads.
+def inputs(module: str) -> list[str]:
+    """Every file that a module or notebook reaches or reads.
 
-    ``configs/inputs.yml`` names what it reads beside the packages; data are optional.
+    ``configs/inputs.yml`` names what a notebook reads beside the packages; data are optional.
     """
+    stem = module.rpartition(".")[2]
     declared = read_document(ROOT / "configs/inputs.yml").get(stem, {})
     read = [RESULTS / name for name in declared.get("results", ())]
     if base := data_root():
         for word in declared.get("data", ()):
             read += Path(base, word).rglob("*")
-    found = closure(f"notebooks.{stem}").union(filter(Path.is_file, read))
+    found = closure(module).union(filter(Path.is_file, read))
     return sorted(map(os.path.relpath, found))
-
-
-def tool(name: str) -> list[str]:
-    """A module of `cmtof_book` and the files of the packages that it reaches."""
-    return sorted(map(os.path.relpath, closure(f"cmtof_book.{name}")))
 
 
 def parameters_from_text(text: str) -> Values:

@@ -15,23 +15,23 @@ notebook                                        page
 Every other link stays as it is.
 """
 
-import re
+from cmtof_book.notes import replaced
 
-EQUATION = re.compile(r"\$\$((?:(?!\$\$).)*?)\s*\\tag\{([^}]+)\}\s*\$\$", re.DOTALL)
-TO_EQUATION = re.compile(r"\[(Eqs?\.\s)?[\d.]+\w?\]\((?:\w+\.ipynb)?#(eq-[\w.]+)\)")
-TO_ERRATUM = re.compile(r"\[([^\]]+)\]\((?:22_errata\.ipynb)?#(erratum-\d+)\)")
-ERRATUM = re.compile(r"^### (\d+) · ", re.M)
-TO_SOURCE = re.compile(r"\[[^\]]+\]\(\.\./book/references\.bib#(\w+)\)")
-PERCENT = re.compile(r"\n(?=%)")
+RULES = {
+    # at the start of a line it would begin a comment
+    r"\n(?=%)": "\u00a0",
+    # an equation with its number
+    r"(?s)\$\$((?:(?!\$\$).)*?)\s*\\tag\{([^}]+)\}\s*\$\$": (
+        r"```{index} ! Eq. \2\n```\n$$\1\n$$ (eq-\2)"
+    ),
+    # links to equations, errata and sources; the heading of an erratum
+    r"\[(Eqs?\.\s)?[\d.]+\w?\]\((?:\w+\.ipynb)?#(eq-[\w.]+)\)": r"\1{eq}`\2`",
+    r"\[([^\]]+)\]\((?:22_errata\.ipynb)?#(erratum-\d+)\)": r"{ref}`\1 <\2>`",
+    r"(?m)^### (\d+) · ": r"(erratum-\1)=\n\g<0>",
+    r"\[[^\]]+\]\(\.\./book/references\.bib#(\w+)\)": r"{cite:t}`\1`",
+}
 
 
 def myst(text: str) -> str:
     """Return the text of a page from that of a notebook's cell."""
-    text = PERCENT.sub(
-        "\u00a0", text
-    )  # at the start of a line it would begin a comment
-    text = EQUATION.sub(r"```{index} ! Eq. \2\n```\n$$\1\n$$ (eq-\2)", text)
-    text = TO_EQUATION.sub(r"\1{eq}`\2`", text)
-    text = TO_ERRATUM.sub(r"{ref}`\1 <\2>`", text)
-    text = ERRATUM.sub(r"(erratum-\1)=\n\g<0>", text)
-    return TO_SOURCE.sub(r"{cite:t}`\1`", text)
+    return replaced(text, RULES)

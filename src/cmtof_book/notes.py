@@ -4,10 +4,18 @@ import re
 from collections.abc import Iterable, Sequence
 from inspect import cleandoc
 
+from cmtof.types import Texts
 from cmtof_book import Values, record
 
 NUMBER = re.compile(r"\W*(\d|inf|nan|$)")
-POWER = re.compile(r"(?<![\w`])(\d[\d.]*)e\+?(-?)0*(\d+)\b")
+# How a table sets powers of ten, minus signs and comparisons, and where it breaks no line.
+TYPESET = {
+    r"(?<![\w`])(\d[\d.]*)e\+?(-?)0*(\d+)\b": "\\1\u00a0×\u00a010<sup>\\2\\3</sup>",
+    r"(?<![\w`-])-(?=\d)": "−",
+    r" ([<≥]) ": "\u00a0\\1\u00a0",
+    "–": "\u2060–\u2060",
+    r" \(": "\u00a0(",
+}
 
 
 def say(text: str, **numbers: float | str) -> None:
@@ -44,10 +52,14 @@ def table(
     ]
     lines = [titles, [":--", *sides[1:]], *texts]
     text = "\n".join(f"| {' | '.join(line)} |" for line in lines)
-    text = POWER.sub("\\1\u00a0×\u00a010<sup>\\2\\3</sup>", text)
-    text = re.sub(r"(?<![\w`-])-(?=\d)", "−", text)
-    text = re.sub(r" ([<≥]) ", "\u00a0\\1\u00a0", text)
-    text = text.replace("–", "\u2060–\u2060").replace(" (", "\u00a0(")
+    text = replaced(text, TYPESET)
     if fold:
         text = f"<details><summary>{fold}</summary>\n\n{text}\n\n</details>"
     display(Markdown(text))
+
+
+def replaced(text: str, rules: Texts) -> str:
+    """Replace one pattern after another by its text."""
+    for pattern, put in rules.items():
+        text = re.sub(pattern, put, text)
+    return text

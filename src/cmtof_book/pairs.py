@@ -19,8 +19,6 @@ from cmtof.files import atomic_output
 from cmtof_book import ROOT
 
 KERNEL = {"display_name": "Python 3", "language": "python", "name": "python3"}
-# the metadata that a pair shares; anything else is some editor's
-CELL_KEYS = {"tags", "mystnb"}
 # What JupyterLab folds by a tag that folds it on the page.
 FOLDED = {
     "hide-input": {"source_hidden": True},
@@ -34,10 +32,9 @@ def notebook_from_script(script: Path) -> nbformat.NotebookNode:
     notebook.metadata = nbformat.from_dict({"kernelspec": KERNEL})
     for number, cell in enumerate(notebook.cells):
         cell["id"] = f"cell-{number:02d}"
-        cell["metadata"] = {k: v for k, v in cell.metadata.items() if k in CELL_KEYS}
+        cell.metadata.pop("lines_to_next_cell", None)  # jupytext's note on the text
         if folded := FOLDED.keys() & cell.metadata.get("tags", []):
             cell.metadata["jupyter"] = FOLDED[min(folded)]
-    notebook.nbformat, notebook.nbformat_minor = 4, 5
     nbformat.validate(notebook)
     return notebook
 

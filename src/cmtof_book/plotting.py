@@ -109,21 +109,18 @@ def mark(
 ) -> None:
     """Thin grey reference line at ``x`` or at ``y``, with a text at its end."""
     style: Any = {"color": GREY, "lw": 1, "ls": ":", "zorder": 0}
-    note: Any = {
-        "color": "#59646E",
-        "size": "small",
-        "textcoords": "offset points",
-        "xytext": (3, 2),
-        "zorder": 4,
-        "path_effects": [withStroke(linewidth=2.5, foreground="white")],  # on lines
-    }
-    if y is None:
-        ax.axvline(x, **style)  # pyright: ignore[reportArgumentType]
-        across = ax.get_xaxis_transform()
-    else:
-        ax.axhline(y, **style)
-        across = ax.get_yaxis_transform()
-    ax.annotate(text, (x or 0, y or 0), xycoords=across, **note)
+    line = ax.axvline(x, **style) if y is None else ax.axhline(y, **style)  # pyright: ignore[reportArgumentType]
+    ax.annotate(
+        text,
+        (x or 0, y or 0),
+        xycoords=line.get_transform(),
+        color="#59646E",
+        size="small",
+        textcoords="offset points",
+        xytext=(3, 2),
+        zorder=4,
+        path_effects=[withStroke(linewidth=2.5, foreground="white")],  # on lines
+    )
 
 
 def sweep(

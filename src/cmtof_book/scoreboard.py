@@ -35,19 +35,18 @@ SHOWN = ("reproduced", "contradicted", "open")
 
 def scores_in(records: Iterable[Record]) -> Scores:
     """Every published number with the result of the first chapter that checked it."""
-    numbers = published_numbers()
-    found = {}
+    scores = {key: Score(number) for key, number in published_numbers().items()}
     for record in records:
         for key, held in record.numbers.items() if record.name == PAPER else ():
-            if key not in found:
-                found[key] = Score(
-                    numbers[key],
+            if not scores[key].chapter:
+                scores[key] = Score(
+                    scores[key].number,
                     held["cases"],
                     profile=record.content["provenance"]["profile"],
                     crops=held["crops"],
                     chapter=record.chapter,
                 )
-    return {key: Score(number) for key, number in numbers.items()} | found
+    return scores
 
 
 def page(

@@ -20,19 +20,20 @@ from cmtof_book.markdown import myst
 from cmtof_book.record import read_all
 
 
-def caption(about: Values, stem: str) -> str:
-    """Caption of a figure with its number in the paper, and a line on how to get at it."""
-    paper = re.match(r"(fig|table)0*(\d+)_", about["name"])
-    return myst(pages.page("caption", about=about, stem=stem, paper=paper))
-
-
 def figure_cell(output: Any, about: Values, stem: str) -> Any:
-    """A cell of its own for a saved figure, with the metadata that number it."""
+    """A cell of its own for a saved figure, with the metadata that number it.
+
+    The caption has its number in the paper, and a line on how to get at it.
+    """
+    paper = re.match(r"(fig|table)0*(\d+)_", about["name"])
+    caption = pages.page("caption", about=about, stem=stem, paper=paper)
     name = "fig-" + about["name"].replace("_", "-")
-    figure = {"caption": caption(about, stem), "name": name}
     metadata = {
         "tags": ["remove-input", *["hide-output"] * about["folded"]],
-        "mystnb": {"figure": figure, "image": {"alt": about["alt"]}},
+        "mystnb": {
+            "figure": {"caption": myst(caption), "name": name},
+            "image": {"alt": about["alt"]},
+        },
     }
     return new_code_cell("# continued", outputs=[output], metadata=metadata)
 
@@ -111,7 +112,8 @@ def stage_notebook(executed: Path, target: Path) -> None:
     place_shown(notebook, executed.stem)
     lead_with_figure(notebook)
     join_folded(notebook)
-    about = pages.page("provenance", **notebook.metadata.pop("cmtof"))
+    about = pages.page("provenance", **notebook.metadata)
+    del notebook.metadata["cmtof"]
     notebook.cells.append(new_markdown_cell(about))
     for number, cell in enumerate(notebook.cells):
         if cell.cell_type == "markdown":

@@ -13,7 +13,6 @@ the two frequencies, mrad (Table 3). The file is named by table and options.
 import json
 import os
 from collections.abc import Iterable, Iterator, Sequence
-from itertools import zip_longest
 from pathlib import Path
 from typing import Annotated, Literal, NamedTuple
 
@@ -54,17 +53,18 @@ class Row(NamedTuple):
         return counted and held["weights"].get(self.name, "") == self.weights
 
 
-def rows_of_methods(methods: Sequence[str], protocol: str) -> Iterator[Row]:
-    """A row for each method; without names those that are ready, and the references."""
+def rows_of(methods: Sequence[str], protocol: str, runs: Path | None) -> Iterator[Row]:
+    """A row for each training in a folder, or each method.
+
+    Without names: the methods that are ready, and the references.
+    """
+    if runs:
+        for file in sorted(runs.glob(f"*/*.{protocol}.safetensors")):
+            yield Row(file.parent.name, read_card(file).model, file)
+        return
     references = [name for name, one in METHODS.items() if one.kind == "reference"]
     for one in map(find_method, methods or [*names_of("all", protocol), *references]):
         yield Row(one.name, one.name, weights_path(one.network, protocol))
-
-
-def rows_of_runs(runs: Path, protocol: str) -> Iterator[Row]:
-    """A row for each training in a folder."""
-    for file in sorted(runs.glob(f"*/*.{protocol}.safetensors")):
-        yield Row(file.parent.name, read_card(file).model, file)
 
 
 def path_of(settings: Values, size: str, runs: Path | None) -> Path:
@@ -82,9 +82,9 @@ def count(held: Values, row: Row, frames: Iterable[Frame]) -> None:
         held["weights"][row.name] = row.weights
         evaluation.options = {"weights": row.file}
     counts = evaluation.add_all(frames).counts()
-    for new, old in zip_longest(counts, held["frames"], fillvalue={"methods": {}}):
-        new["methods"] = old["methods"] | {row.name: new["methods"][row.method]}
-    held["frames"] = counts
+    held["frames"] = held["frames"] or [one | {"methods": {}} for one in counts]
+    for old, new in zip(held["frames"], counts, strict=True):
+        old["methods"][row.name] = new["methods"][row.method]
     scores = evaluation.report()["methods"][row.method]
     print(row.name, {key: round(rate, 4) for key, rate in scores.items()}, flush=True)
 
@@ -116,7 +116,7 @@ def main(
     held = read_json(path)
     if held.get("settings") != settings:
         held = {"settings": settings, "size": size, "weights": {}, "frames": []}
-    rows = rows_of_runs(runs, protocol) if runs else rows_of_methods(methods, protocol)
+    rows = rows_of(methods, protocol, runs)
     rows = [row for row in rows if again or not row.is_counted(held)]
     if rows:
         frames = views_of_size(*shape_from_text(size)) if size else held_out_frames()

@@ -92,8 +92,10 @@ class RenderedView(NamedTuple):
 
     @property
     def frame(self) -> Frame:
-        """Frame for the simulator."""
-        return frame_of(self.picture, self.lens, f"{self.room.name}/{self.camera}")
+        """Frame for the simulator: range, linear green, camera."""
+        name = f"{self.room.name}/{self.camera}"
+        light = self.picture.color[..., 1]
+        return Frame(self.picture.depth, light, self.lens.camera, name)
 
 
 class Report(NamedTuple):
@@ -183,10 +185,10 @@ def render_view(
 def render_views(settings: Settings) -> Iterator[RenderedView]:
     """Render a set in this process, view by view, without writing anything."""
     for index in range(settings.scenes):
-        yield from _render(settings, index, _views(index, settings.views))
+        yield from views_of_room(settings, index, _views(index, settings.views))
 
 
-def _render(
+def views_of_room(
     settings: Settings,
     index: int,
     views: list[tuple[str, int]],
@@ -204,11 +206,6 @@ def _render(
             number + 4 * int(camera[-2:]),
         )
         yield RenderedView(room, lens, camera, number, picture)
-
-
-def frame_of(seen: Picture, lens: Lens, name: str) -> Frame:
-    """Frame for the simulator: range, linear green, camera."""
-    return Frame(seen.depth, seen.color[..., 1], lens.camera, name)
 
 
 def view_exists(root: str | Path, scene: str, camera: str, frame: int) -> bool:
@@ -253,7 +250,7 @@ def render_room(root: Path, settings: Settings, index: int) -> Report:
     name = room_name(settings.seed, index)
     views = _views(index, settings.views)
     missing = [view for view in views if not view_exists(root, name, *view)]
-    for view in _render(settings, index, missing) if missing else ():
+    for view in views_of_room(settings, index, missing) if missing else ():
         write_view(
             root,
             name,

@@ -30,9 +30,8 @@ def test_visible_cells_are_short():
     seen = [
         c
         for script in SCRIPTS
-        for c in jupytext.read(script).cells
-        if c.cell_type == "code"
-        and not pairs.FOLDED.keys() & c.metadata.get("tags", [])
+        for c in pairs.notebook_from_script(script).cells
+        if c.cell_type == "code" and "jupyter" not in c.metadata
     ]
     lines = [len(re.findall(r"\S.*", cell.source)) for cell in seen]
     assert median(lines) <= 8
