@@ -42,7 +42,7 @@ def table(
     wood = kit.material("wood")
     reach = 0.5  # of the place for things, as a share of the size
     if kit.chance(round_top):
-        disc = extrusion(ellipse(width, depth), thickness)
+        disc = extrusion(ellipse((width, depth)), thickness)
         yield wood, move(disc, (0, 0, board.z0))
         legs = "pedestal"
         reach = 0.35
