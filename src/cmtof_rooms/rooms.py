@@ -114,7 +114,7 @@ def build_room(seed: int, index: int) -> FurnishedRoom:
     kind = weighted_choice(rng, {name: room["weight"] for name, room in rooms.items()})
     kit = household(rng)
     shell = build_shell(kit, rooms[kind])
-    inside = Furnishing(shell, kit)
+    inside = Furnishing(shell, kit, clear=list(shell.keep))
     tidy = kit.between(0.7, 1.5)
     inside.fill({name: tidy * mean for name, mean in rooms[kind]["things"].items()})
     for wall in shell.beyond:

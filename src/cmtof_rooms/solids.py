@@ -178,7 +178,7 @@ def _circles(line: Array, sections: int) -> Array:
     along = trimesh.unitize(np.gradient(line, axis=0))
     # one axis that no part of the path follows serves all rings
     aside = np.eye(3)[np.abs(along).max(axis=0).argmin()]
-    u = trimesh.unitize(np.cross(along, aside))
+    u = np.asarray(trimesh.unitize(np.cross(along, aside)))
     v = np.cross(along, u)
     cosine, sine = ellipse((2, 2), sections).T[:, :, None]
     return cosine * u[:, None] + sine * v[:, None]
