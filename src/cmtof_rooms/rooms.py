@@ -1,6 +1,7 @@
 """Furnished rooms from a seed, with their light and their cameras."""
 
 from dataclasses import dataclass
+from functools import partial
 
 import numpy as np
 from numpy.random import Generator
@@ -10,8 +11,12 @@ from cmtof_rooms.building import build_shell
 from cmtof_rooms.cameras import (
     Cameras,
     Lens,
-    close_cameras,
-    room_cameras,
+    camera_across,
+    camera_close,
+    choose_cameras,
+    middles_of,
+    range_across,
+    range_close,
 )
 from cmtof_rooms.furnishing import Furnishing
 from cmtof_rooms.interior import Interior
@@ -89,20 +94,22 @@ class FurnishedRoom:
         Together ``views``; the first ones stay the same when more are asked for.
         """
         close = close_views(self.index, views)
-        across = room_cameras(
+        rng = stream(self.seed, self.index, ACROSS)
+        across = choose_cameras(
             views - close,
             self.interior,
             lens,
-            floor=self.floor,
-            height=self.height,
-            rng=stream(self.seed, self.index, ACROSS),
+            wanted=partial(range_across, rng),
+            draw=partial(camera_across, self.floor, self.height, rng),
         )
-        near = close_cameras(
+        rng = stream(self.seed, self.index, CLOSE)
+        things = [self.interior.things[number - 1] for number in self.furniture]
+        near = choose_cameras(
             close,
             self.interior,
             lens,
-            things=np.array(self.furniture),
-            rng=stream(self.seed, self.index, CLOSE),
+            wanted=partial(range_close, rng),
+            draw=partial(camera_close, middles_of(things), rng),
         )
         return {"cam_00": across, "cam_01": near}
 
