@@ -10,18 +10,15 @@ from dataclasses import replace
 
 from cmtof.frame import Frame, held_out_frames
 from cmtof.simulation import simulate
-from cmtof_rooms.rendering import Settings, frame_of, render_view, split_of
-from cmtof_rooms.rooms import build_room
+from cmtof_rooms.rendering import Settings, split_of, views_of_room
 
 SETTINGS = Settings(seed=3, scenes=10_000, views=2, height=384, width=512)
 
 
 def view_across(index: int, settings: Settings) -> Frame:
     """First view across the room of that number."""
-    room = build_room(settings.seed, index)
-    lens = settings.lens(index)
-    pose = room.cameras(settings.views, lens)["cam_00"][0]
-    return frame_of(render_view(room, pose, lens, 0), lens, f"{room.name}/cam_00")
+    (view,) = views_of_room(settings, index, [("cam_00", 0)])
+    return view.frame
 
 
 def views_of_size(height: int, width: int) -> list[Frame]:

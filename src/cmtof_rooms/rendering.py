@@ -21,7 +21,7 @@ from cmtof.frame import Frame, brightness
 from cmtof.hypersim import FILES, View, write_metadata
 from cmtof.terminal import delay_interrupts
 from cmtof.types import Shape
-from cmtof_rooms.cameras import Camera, Lens
+from cmtof_rooms.cameras import Lens
 from cmtof_rooms.interior import Picture
 from cmtof_rooms.rooms import (
     EXPOSURE,
@@ -92,8 +92,10 @@ class RenderedView(NamedTuple):
 
     @property
     def frame(self) -> Frame:
-        """Frame for the simulator."""
-        return frame_of(self.picture, self.lens, f"{self.room.name}/{self.camera}")
+        """Frame for the simulator: range, linear green, camera."""
+        depth = self.picture.depth
+        green = self.picture.color[..., 1]
+        return Frame(depth, green, self.lens.camera, f"{self.room.name}/{self.camera}")
 
 
 class Report(NamedTuple):
@@ -156,59 +158,33 @@ def expose(seen: Picture, rank: float) -> Picture:
     return seen._replace(color=seen.color * np.float32(wanted / max(middle, 1e-6)))
 
 
-def render_view(
-    room: FurnishedRoom, camera: Camera, lens: Lens, number: int
-) -> Picture:
-    """Render and expose one view.
-
-    Exposures step by the golden section through rooms and views: even small sets have their share
-    of dark and bright ones.
-
-    Parameters
-    ----------
-    room : FurnishedRoom
-    camera : Camera
-    lens : Lens
-    number : int
-        Count of the view within its room.
-    """
-    seen = room.interior.render(camera.position, lens.rays(camera.orientation))
-    start = stream(room.seed, 0, EXPOSURE).uniform()
-    return expose(
-        seen,
-        (start + 0.6180339887498949 * (7 * room.index + number)) % 1,
-    )
-
-
 def render_views(settings: Settings) -> Iterator[RenderedView]:
     """Render a set in this process, view by view, without writing anything."""
     for index in range(settings.scenes):
-        yield from _render(settings, index, _views(index, settings.views))
+        yield from views_of_room(settings, index, _views(index, settings.views))
 
 
-def _render(
+def views_of_room(
     settings: Settings,
     index: int,
     views: list[tuple[str, int]],
 ) -> Iterator[RenderedView]:
-    """Render views of one room, given by camera and number."""
+    """Render and expose views of one room, given by camera and number.
+
+    Exposures step by the golden section through rooms and views: even small sets have their share
+    of dark and bright ones.
+    """
     room = build_room(settings.seed, index)
     lens = settings.lens(index)
     cameras = room.cameras(settings.views, lens)
+    start = stream(settings.seed, 0, EXPOSURE).uniform()
     for camera, number in views:
+        pose = cameras[camera][number]
+        seen = room.interior.render(pose.position, lens.rays(pose.orientation))
         # this count of a view does not depend on how many there are
-        picture = render_view(
-            room,
-            cameras[camera][number],
-            lens,
-            number + 4 * int(camera[-2:]),
-        )
-        yield RenderedView(room, lens, camera, number, picture)
-
-
-def frame_of(seen: Picture, lens: Lens, name: str) -> Frame:
-    """Frame for the simulator: range, linear green, camera."""
-    return Frame(seen.depth, seen.color[..., 1], lens.camera, name)
+        count = 7 * index + number + 4 * int(camera[-2:])
+        rank = (start + 0.6180339887498949 * count) % 1
+        yield RenderedView(room, lens, camera, number, expose(seen, rank))
 
 
 def view_exists(root: str | Path, scene: str, camera: str, frame: int) -> bool:
@@ -253,7 +229,7 @@ def render_room(root: Path, settings: Settings, index: int) -> Report:
     name = room_name(settings.seed, index)
     views = _views(index, settings.views)
     missing = [view for view in views if not view_exists(root, name, *view)]
-    for view in _render(settings, index, missing) if missing else ():
+    for view in views_of_room(settings, index, missing) if missing else ():
         write_view(
             root,
             name,
