@@ -103,28 +103,25 @@ def cloth(
     *,
     style: str = "curtain",
 ) -> Piece:
-    """A curtain in folds, a rug on the floor, or a towel that hangs."""
-    if style == "rug":
-        yield _rug(kit, space)
-        return
-    width, depth, height = space.size
+    """A curtain in folds, or a towel that hangs."""
+    width, _, height = space.size
     thickness = 0.006
     folds = kit.between(5, 9) * width if style == "curtain" else kit.between(0.5, 2)
-    columns = np.linspace(-width / 2, width / 2, max(9, int(10 * folds) + 1))
+    columns = np.linspace(space.x0, space.x1, max(9, int(10 * folds) + 1))
     x, z = np.meshgrid(columns, np.linspace(0, height, 7), indexing="ij")
     phase = kit.between(0, 2 * np.pi) + 0.3 * np.sin(3 * z / height + kit.between(0, 6))
     wave = np.sin(2 * np.pi * folds * (x / width + 0.5) + phase)
-    y = (depth / 2 - thickness) * wave * (1 - 0.3 * z / height)
+    y = (space.y1 - thickness) * wave * (1 - 0.3 * z / height)
     yield "fabric", sheet(np.stack([x, y, z], -1), thickness)
 
 
-def _rug(kit: Kit, space: Box) -> Solids:
-    """A rug, a fifth of them oval."""
+def rug(kit: Kit, space: Box) -> Iterator[Solids]:
+    """A rug on the floor, a fifth of them oval."""
     x0, x1, y0, y1 = space.floor
     outline = np.array([(x0, y0), (x1, y0), (x1, y1), (x0, y1)])
     if kit.chance(0.2):
         outline = ellipse(space.size[:2], 40)
-    return "fabric", extrusion(outline, space.z1)
+    yield "fabric", extrusion(outline, space.z1)
 
 
 def plant(kit: Kit, space: Box, *, style: str = "leaves") -> Piece:

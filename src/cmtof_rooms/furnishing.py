@@ -4,7 +4,7 @@ from dataclasses import dataclass, field
 
 import numpy as np
 
-from cmtof.types import Array, Values
+from cmtof.types import Values
 from cmtof_rooms.boxes import Box, Rectangle, Rectangles
 from cmtof_rooms.kit import Top
 from cmtof_rooms.makers import MAKERS
@@ -119,20 +119,12 @@ class Furnishing(Vacancy):
         for name, mean in counts.items():
             for _ in range(self._times(mean)):
                 top, used = self.kit.pick(surfaces)
-                found = self._spot(top, _kind(name), used)
-                if found is not None:
-                    size, (x, y) = found
-                    self._stand(name, size, place.at(x, y, top.z))
+                self._stand_upon(name, top, used, place)
 
-    def _spot(
-        self,
-        top: Top,
-        kind: Kind,
-        used: Rectangles,
-    ) -> tuple[Extents, Array] | None:
-        """Draw size and middle of a thing that fits on a top beside what stands there."""
+    def _stand_upon(self, name: str, top: Top, used: Rectangles, place: Place) -> None:
+        """Make a thing and stand it on a top beside what stands there, if it fits."""
         for _ in range(4):
-            size = self._size(kind)
+            size = self._size(_kind(name))
             if (np.array(size) > [*top.area.size, top.room - 0.02]).any():
                 continue
             half = np.array(size[:2]) / 2
@@ -140,8 +132,8 @@ class Furnishing(Vacancy):
             area = Rectangle.about(middle, size[:2])
             if not area.meets(used):
                 used.append(area)
-                return size, middle
-        return None
+                self._stand(name, size, place.at(middle[0], middle[1], top.z))
+                return
 
 
 def _kind(name: str) -> Kind:

@@ -126,32 +126,22 @@ def build_room(seed: int, index: int) -> FurnishedRoom:
     inside.fill({name: tidy * mean for name, mean in rooms[kind]["things"].items()})
     for wall in shell.beyond:
         inside.things += _things_beyond(wall, kit)
+    interior = Interior(
+        shell.things + inside.things,
+        _strongest(shell, inside.lights),
+        [np.full(3, 0.1), np.array([shell.width, shell.depth, shell.height]) - 0.1],
+        sky=shell.sky,
+    )
+    first = len(shell.things) if inside.things else 0  # of an empty room, everything
     return FurnishedRoom(
         seed,
         index,
         kind,
-        _light_room(shell, inside),
+        interior,
         shell.floor,
         shell.height,
-        _numbers(shell, inside),
+        range(first + 1, len(interior.things) + 1),
     )
-
-
-def _light_room(shell: Shell, inside: Furnishing) -> Interior:
-    """The furnished room with its strongest lights."""
-    size = np.array([shell.width, shell.depth, shell.height])
-    return Interior(
-        shell.things + inside.things,
-        _strongest(shell, inside.lights),
-        [np.full(3, 0.1), size - 0.1],
-        sky=shell.sky,
-    )
-
-
-def _numbers(shell: Shell, inside: Furnishing) -> range:
-    """Numbers of the furniture; of everything in an empty room."""
-    first = len(shell.things) + 1
-    return range(first if inside.things else 1, first + len(inside.things))
 
 
 def _things_beyond(wall: Wall, kit: Kit) -> list[Thing]:
