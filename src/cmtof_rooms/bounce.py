@@ -1,6 +1,7 @@
 """Light that was scattered once, stored on a grid of places."""
 
 from collections.abc import Callable
+from itertools import product
 from typing import NamedTuple
 
 import numpy as np
@@ -69,11 +70,7 @@ def measure_bounce(space: Array, look: Look) -> Bounce:
     low, high = space
     axes = _grid_axes(low, high)
     shape = [len(axis) for axis in axes]
-    places = (
-        np.stack(np.meshgrid(*axes, indexing="ij"), -1)
-        .reshape(-1, 3)
-        .astype(np.float32)
-    )
+    places = np.array([*product(*axes)], np.float32)
     rays = sphere_of_directions(RAYS)
     origins = np.repeat(places, RAYS, axis=0)
     radiance, behind = look(origins, np.tile(rays, (len(places), 1)))

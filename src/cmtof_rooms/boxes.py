@@ -88,13 +88,12 @@ class Box(NamedTuple):
         Box(x0=-1.0, x1=1.0, y0=-0.5, y1=0.5, z0=0.0, z1=3.0)
         """
         width, depth, height = size
-        return cls(-width / 2, width / 2, -depth / 2, depth / 2, 0.0, height)
+        return cls(*Rectangle.about((0.0, 0.0), (width, depth)), 0.0, height)
 
     @property
     def size(self) -> Array:
         """Width, depth and height, m."""
-        x0, x1, y0, y1, z0, z1 = self
-        return np.array([x1 - x0, y1 - y0, z1 - z0])
+        return np.subtract(self[1::2], self[::2])
 
     @property
     def floor(self) -> Rectangle:

@@ -12,8 +12,8 @@ from cmtof_rooms.openings import (
     add_windows,
 )
 from cmtof_rooms.shell import Shell, Wall
-from cmtof_rooms.solids import sheet, slab
-from cmtof_rooms.things import Part, level_light
+from cmtof_rooms.solids import sheet
+from cmtof_rooms.things import ROOM, Place, Thing, level_light
 
 
 def build_shell(kit: Kit, room: Fields) -> Shell:
@@ -43,11 +43,11 @@ def build_shell(kit: Kit, room: Fields) -> Shell:
     _add_openings(kit, shell)
     paint = kit.material("wall")
     for wall in walls[:4]:
-        shell.build("wall", wall, (paint, wall.solid(height)))
+        shell.build("wall", wall.place, (paint, wall.solid(height)))
     _add_levels(kit, shell)
     if notch[0]:
         block = shell.reach(0.0, height).cut(x0=width - notch[0], y0=depth - notch[1])
-        shell.add("wall", Part(slab(*block), paint))
+        shell.build("wall", ROOM, (paint, block))
     if kit.chance(room.get("slope", 0.0)):
         _add_slopes(kit, shell)
     elif kit.chance(room.get("beams", 0.1)) and not is_open:
@@ -77,16 +77,16 @@ def _walls(width: float, depth: float, notch: Pair) -> list[Wall]:
     a, b = notch
     quarter = np.pi / 2
     walls = [
-        Wall((width, 0.0), 2 * quarter, width),
-        Wall((width, depth), -quarter, depth),
-        Wall((0.0, depth), 0.0, width),
-        Wall((0.0, 0.0), quarter, depth),
+        Wall(Place(width, 0.0, 2 * quarter), width),
+        Wall(Place(width, depth, -quarter), depth),
+        Wall(Place(0.0, depth), width),
+        Wall(Place(0.0, 0.0, quarter), depth),
     ]
     if a:  # the outer walls behind the block stay, but nothing stands there
         walls[1].taken.append(Rectangle(0.0, b, 0.0, 99.0))
         walls[2].taken.append(Rectangle(width - a, width, 0.0, 99.0))
-        walls.append(Wall((width - a, depth - b), 0.0, a))
-        walls.append(Wall((width - a, depth), -quarter, b))
+        walls.append(Wall(Place(width - a, depth - b), a))
+        walls.append(Wall(Place(width - a, depth, -quarter), b))
     return walls
 
 
@@ -107,17 +107,14 @@ def _add_levels(kit: Kit, shell: Shell) -> None:
     width = shell.width
     depth = shell.depth
     height = shell.height
-    shell.add(
-        "floor",
-        Part(slab(*shell.reach(-0.2, 0.0)), kit.material("floor")),
-    )
+    shell.build("floor", ROOM, (kit.material("floor"), shell.reach(-0.2, 0.0)))
     if shell.open:
         centre = (width / 2, depth / 2, height + 5)
         sky = level_light(centre, width / 2, depth / 2, width * depth / np.pi)
         shell.lights.append(sky._replace(colour=SKY))
     else:
-        ceiling = slab(*shell.reach(height, height + 0.2))
-        shell.add("ceiling", Part(ceiling, kit.material("ceiling")))
+        above = shell.reach(height, height + 0.2)
+        shell.build("ceiling", ROOM, (kit.material("ceiling"), above))
 
 
 def _add_slopes(kit: Kit, shell: Shell) -> None:
@@ -129,14 +126,11 @@ def _add_slopes(kit: Kit, shell: Shell) -> None:
     for way in (1, -1) if kit.chance(0.5) else (1,):
         share, low = kit.draw("slope")
         start = depth * (0.5 + way * share)
-        fall = (height - low) / abs((depth if way > 0 else 0.0) - start)
+        fall = (height - low) / (depth * (0.5 - share))
         end = reach.y1 if way > 0 else reach.y0
-        x, y = np.meshgrid([reach.x0, reach.x1], [start, end], indexing="ij")
-        roof = sheet(
-            np.stack([x, y, height - fall * np.abs(y - start)], -1),
-            0.02,
-        )
-        shell.add("slope", Part(roof, plaster))
+        foot = height - fall * abs(end - start)
+        edges = [[(x, start, height), (x, end, foot)] for x in (reach.x0, reach.x1)]
+        shell.build("slope", ROOM, (plaster, sheet(edges, 0.02)))
         shell.eaves.append((way, start, fall))
 
 
@@ -147,11 +141,7 @@ def _add_beams(kit: Kit, shell: Shell) -> None:
     count = max(1, int(shell.width / kit.between(1.2, 3.0)))
     middles = shell.width / count * (np.arange(count) + 0.5)
     space = Box(0, 0, 0, shell.depth, shell.height - thickness, shell.height)
-    beams = space.bars("x", middles, thickness / 3)
-    shell.add(
-        "beams",
-        *[Part(slab(*beam), wood) for beam in beams.singles()],
-    )
+    shell.build("beams", ROOM, (wood, space.bars("x", middles, thickness / 3)))
     shell.lowest = thickness
 
 
@@ -164,6 +154,7 @@ def _add_skirting(kit: Kit, shell: Shell) -> None:
         cuts = sorted((taken.x0, taken.x1) for taken in wall.taken if taken.y0 < height)
         ends = np.array([0.0, *np.ravel(cuts), wall.length]).reshape(-1, 2)
         for start, end in ends[ends[:, 1] > ends[:, 0] + 0.05]:
-            parts += wall.parts(paint, Box(start, end, -0.014, 0.0, 0.0, height))
+            board = Box(start, end, -0.014, 0.0, 0.0, height)
+            parts += wall.place.parts(paint, board)
     if parts:
-        shell.add("skirting", *parts)
+        shell.things.append(Thing("skirting", parts))

@@ -12,11 +12,9 @@ from trimesh import Trimesh
 from cmtof.types import Array
 from cmtof_rooms.boxes import Box, Rectangle
 from cmtof_rooms.kit import Kit, Piece, Solids, Top
-from cmtof_rooms.materials import Material
 from cmtof_rooms.presets import presets
 from cmtof_rooms.solids import (
     ball,
-    box,
     ellipse,
     extrusion,
     move,
@@ -41,6 +39,7 @@ def lamp(kit: Kit, space: Box, *, style: str = "stand") -> Piece:
     tall = min(tall * 2 * radius, 0.45 * height)
     narrow *= radius
     metal = kit.material("metal")
+    cone = revolution([(radius, 0), (narrow, tall)])
     if style == "stand":
         foot = min(0.7 * radius, 0.16)
         stand = [
@@ -49,18 +48,15 @@ def lamp(kit: Kit, space: Box, *, style: str = "stand") -> Piece:
             (0.012, 0.03),
             (0.012, height - tall),
         ]
-        cone = revolution([(radius, 0), (narrow, tall)])
         half = 0.5 * narrow
         yield level_light((0, 0, height + 0.05), half, half, 1.0, 0.0)
         yield metal, revolution(stand)
         yield shade, move(cone, (0, 0, height - tall))
     else:
         yield level_light((0, 0, -0.03), radius, radius, 1.0)
-        if kit.chance(0.4):
-            body = ball((radius, radius, tall / 2))
-        else:
-            body = revolution([(radius, -tall / 2), (narrow, tall / 2)])
-        yield shade, move(body, (0, 0, tall / 2))
+        middle = (0, 0, tall / 2)
+        globe = ball((radius, radius, tall / 2))
+        yield shade, move(globe, middle) if kit.chance(0.4) else cone
         yield metal, sweep([(0, 0, tall), (0, 0, height)], 0.008, 6)
 
 
@@ -107,28 +103,25 @@ def cloth(
     *,
     style: str = "curtain",
 ) -> Piece:
-    """A curtain in folds, a rug on the floor, or a towel that hangs."""
-    if style == "rug":
-        yield _rug(kit, space)
-        return
-    width, depth, height = space.size
+    """A curtain in folds, or a towel that hangs."""
+    width, _, height = space.size
     thickness = 0.006
     folds = kit.between(5, 9) * width if style == "curtain" else kit.between(0.5, 2)
-    columns = np.linspace(-width / 2, width / 2, max(9, int(10 * folds) + 1))
+    columns = np.linspace(space.x0, space.x1, max(9, int(10 * folds) + 1))
     x, z = np.meshgrid(columns, np.linspace(0, height, 7), indexing="ij")
     phase = kit.between(0, 2 * np.pi) + 0.3 * np.sin(3 * z / height + kit.between(0, 6))
     wave = np.sin(2 * np.pi * folds * (x / width + 0.5) + phase)
-    y = (depth / 2 - thickness) * wave * (1 - 0.3 * z / height)
+    y = (space.y1 - thickness) * wave * (1 - 0.3 * z / height)
     yield "fabric", sheet(np.stack([x, y, z], -1), thickness)
 
 
-def _rug(kit: Kit, space: Box) -> Solids:
-    """A rug, a fifth of them oval."""
+def rug(kit: Kit, space: Box) -> Iterator[Solids]:
+    """A rug on the floor, a fifth of them oval."""
     x0, x1, y0, y1 = space.floor
     outline = np.array([(x0, y0), (x1, y0), (x1, y1), (x0, y1)])
     if kit.chance(0.2):
-        outline = ellipse(*space.size[:2], 40)  # pyright: ignore[reportCallIssue]
-    return "fabric", extrusion(outline, space.z1)
+        outline = ellipse(space.size[:2], 40)
+    yield "fabric", extrusion(outline, space.z1)
 
 
 def plant(kit: Kit, space: Box, *, style: str = "leaves") -> Piece:
@@ -146,29 +139,27 @@ def plant(kit: Kit, space: Box, *, style: str = "leaves") -> Piece:
         stem = [(0, 0, 0.8 * pot), (0, 0, pot + 0.3 * crown)]
         yield green, sweep(stem, 0.03 * pot + 0.01, 6)
     else:
-        yield from _leaves(kit, green, width, pot, crown)
+        leaves, stems = _leaves(kit, width, pot, crown)
+        yield green, *leaves
+        yield green, *stems
 
 
-def _leaves(kit: Kit, green: Material, width: float, pot: float, crown: float) -> Piece:
-    """Leaves of a plant, each on a bent stem that starts in its pot."""
+def _leaves(
+    kit: Kit, width: float, pot: float, crown: float
+) -> tuple[list[Trimesh], list[Trimesh]]:
+    """Leaves of a plant, and the bent stems that carry them out of its pot."""
     leaf = ball((0.2 * width, 0.085 * width, 0.008), fineness=1)
     leaves = []
     stems = []
     for k in range(kit.count((7, 17))):
         shift, reach, rise = kit.draw("leaf")
         turn = 2.4 * k + shift
-        way = np.array([np.cos(turn), np.sin(turn)]) * width / 2
-        stem = _stem(pot, reach * way, 0.3 * reach * way, crown * rise)
+        tip = reach * width / 2 * np.array([np.cos(turn), np.sin(turn)])
+        top = pot + crown * rise
+        stem = [(0, 0, 0.8 * pot), (*0.3 * tip, (pot + top) / 2), (*tip, top)]
         stems.append(sweep(stem, 0.004 + 0.004 * crown, 5))
         leaves.append(move(leaf, stem[-1], turn))
-    yield green, *leaves
-    yield green, *stems
-
-
-def _stem(pot: float, tip: Array, bend: Array, rise: float) -> Array:
-    """Foot, bend and tip (3, 3) of a stem whose tip is higher than its pot by ``rise``, m."""
-    top = pot + rise
-    return np.array([[0, 0, 0.8 * pot], [*bend, (pot + top) / 2], [*tip, top]])
+    return leaves, stems
 
 
 def picture(
@@ -188,13 +179,10 @@ def picture(
         paint,
         space.inset(x0=half, x1=half, y0=depth / 3, z0=half, z1=half),
     )
-    upright = space.inset(z0=edge, z1=edge)
     yield (
         kit.material("wood", "metal"),
-        space.layer("z0", edge),
-        space.layer("z1", edge),
-        upright.layer("x0", edge),
-        upright.layer("x1", edge),
+        space.ends("z", edge),
+        space.inset(z0=edge, z1=edge).ends("x", edge),
     )
 
 
@@ -208,25 +196,19 @@ def pipe(
     radius = min(0.4 * space.size[1], 0.03)
     metal = kit.material("metal")
     number = kit.count((1, 2))
-    paths = _rails(space, radius, number) if level else _risers(space, number)
-    for path in paths:
-        yield metal, sweep(_round_corners(path), radius, 10)
-
-
-def _risers(space: Box, number: int) -> list[Array]:
-    """Paths of upright pipes side by side."""
-    width, _, height = space.size
-    places = [width * ((k + 0.5) / number - 0.5) for k in range(number)]
-    return [np.array([(x, 0, 0), (x, 0, height)]) for x in places]
-
-
-def _rails(space: Box, radius: float, number: int) -> list[Array]:
-    """Paths of level rails above each other, with both ends at the wall."""
     x = space.x1
-    y = space.y1 - radius
-    rise = space.z1 - 2 * radius
-    heights = [radius + rise * k / max(number - 1, 1) for k in range(number)]
-    return [np.array([(-x, y, z), (-x, -y, z), (x, -y, z), (x, y, z)]) for z in heights]
+    if level:  # both ends at the wall
+        y = space.y1 - radius
+        z = radius
+        ends = [(-x, y, z), (-x, -y, z), (x, -y, z), (x, y, z)]
+        first = _round_corners(np.array(ends))
+        step = np.array([0, 0, space.z1 - 2 * radius])
+    else:
+        left = x / number - x
+        first = np.array([(left, 0, 0), (left, 0, space.z1)])
+        step = np.array([2 * x / number, 0, 0])
+    for k in range(number):
+        yield metal, sweep(first + k * step, radius)
 
 
 def _round_corners(path: Array) -> Array:
@@ -242,20 +224,14 @@ def _round_corners(path: Array) -> Array:
 def radiator(kit: Kit, space: Box) -> Piece:
     """Upright fins between two rails, on feet."""
     width, depth, height = space.size
-    x = np.linspace(-width / 2 + 0.02, width / 2 - 0.02, max(3, int(width / 0.07)))
-    places = np.outer(x, [1, 0, 0])
-    up = np.array([0, 0, height])
+    inside = space.inset(x0=0.02, x1=0.02, y0=depth / 4, y1=depth / 4)
+    x = np.linspace(inside.x0, inside.x1, max(3, int(width / 0.07)))
+    feet = space.inset(y0=depth / 5, y1=depth / 5).cut(z1=0.12 * height)
     yield (
         "paint",
-        box((0.04, depth, 0.86 * height), places + 0.54 * up),
-        box(
-            (width - 0.04, 0.5 * depth, 0.04),
-            np.outer([0.16, 0.92], up),
-        ),
-        box(
-            (0.03, 0.6 * depth, 0.12 * height),
-            places[[0, -1]] + 0.06 * up,
-        ),
+        space.cut(z0=0.11 * height, z1=0.97 * height).bars("x", x, 0.02),
+        inside.bars("z", height * np.array([0.16, 0.92]), 0.02),
+        feet.bars("x", x[[0, -1]], 0.015),
     )
 
 
@@ -266,16 +242,10 @@ def stairs(kit: Kit, space: Box, *, rail: bool = True) -> Piece:
     z = np.linspace(0, space.z1, count + 1)[1:]
     yield "wood", space.cut(x0=x[:-1], x1=x[1:], z1=z)
     if rail:
-        feet = np.stack(
-            [
-                (x[:-1] + x[1:]) / 2,
-                np.full(count, space.y0 + 0.04),
-                z,
-            ],
-            1,
-        )
+        middles = (x[:-1] + x[1:]) / 2
+        feet = np.column_stack([middles, np.full(count, space.y0 + 0.04), z])
         tops = feet + np.array([0, 0, 0.9])
-        bars = [sweep(ends, 0.012, 6) for ends in np.stack([feet, tops], 1)]
+        bars = [sweep(ends, 0.012, 6) for ends in zip(feet, tops, strict=True)]
         yield "metal", *bars
         yield "wood", sweep(tops, 0.025, 8)
 
@@ -296,13 +266,9 @@ def stack(
         layer = space.cut(z0=z0, z1=z1 - 1e-3)
         yield (
             material,
-            _case(kit, layer) if number > 1 else slab(*layer),
+            _case(kit, layer) if number > 1 else layer,
         )
-    yield Top(
-        Rectangle.about((0, 0), (2 * width / 3, 2 * depth / 3)),
-        height,
-        0.4,
-    )
+    yield Top(Rectangle.about((0, 0), (2 * width / 3, 2 * depth / 3)), height, 0.4)
 
 
 def _case(kit: Kit, space: Box) -> Trimesh:

@@ -1,19 +1,18 @@
 """Furniture in a room: drawn from `presets.yml`, placed so that nothing stands in anything."""
 
+from dataclasses import dataclass, field
+
 import numpy as np
 
-from cmtof.types import Array, Values
+from cmtof.types import Values
 from cmtof_rooms.boxes import Box, Rectangle, Rectangles
-from cmtof_rooms.kit import Kit, Top
+from cmtof_rooms.kit import Top
 from cmtof_rooms.makers import MAKERS
 from cmtof_rooms.presets import presets
-from cmtof_rooms.shell import Shell
-from cmtof_rooms.solids import move
-from cmtof_rooms.things import Light, Thing
+from cmtof_rooms.things import Light, Part, Place, Thing
 from cmtof_rooms.vacancy import (
     Extents,
     Kind,
-    Place,
     Vacancy,
     turned_size,
 )
@@ -31,28 +30,17 @@ RANK = {
 }
 
 
-class Furnishing:
+@dataclass
+class Furnishing(Vacancy):
     """A room being furnished.
-
-    Parameters
-    ----------
-    shell : Shell
-    kit : Kit
 
     Attributes
     ----------
     things : list of Thing
         Furniture, in the room's coordinates.
-    lights : list of Light
-        Lamps among it.
     """
 
-    def __init__(self, shell: Shell, kit: Kit) -> None:
-        self.kit = kit
-        self.shell = shell
-        self.things: list[Thing] = []
-        self.lights: list[Light] = []
-        self._vacancy = Vacancy(shell, kit, self.lights, clear=list(shell.keep))
+    things: list[Thing] = field(default_factory=list)
 
     def fill(self, counts: Values) -> None:
         """Place kinds, each about as often as asked for, the largest first."""
@@ -70,7 +58,7 @@ class Furnishing:
         """Make one thing of a kind with what belongs to it, if there is a place for it."""
         kind = _kind(name)
         size = self._size(kind)
-        place = self._vacancy.find(kind, size)
+        place = self.find(kind, size)
         if place is None:
             return
         tops = self._stand(name, size, place)
@@ -91,7 +79,6 @@ class Furnishing:
     def _stand(self, name: str, size: Extents, place: Place) -> list[Top]:
         """Make a thing and stand it at its place; return the tops of it."""
         kind = _kind(name)
-        *foot, turn = place
         make = MAKERS[kind["maker"]]
         parts = []
         tops = []
@@ -99,11 +86,11 @@ class Furnishing:
             if isinstance(made, Top):
                 tops.append(made)
             elif isinstance(made, Light):
-                middle = (place.x, place.y, place.z + made.centre[2])
+                middle = place.carry(made.centre)
                 self.lights.append(made._replace(centre=middle, colour=WARM))
             else:
-                part = self.kit.part(*made)
-                parts.append(part._replace(mesh=move(part.mesh, foot, turn)))
+                mesh, material = self.kit.part(*made)
+                parts.append(Part(place.move(mesh), material))
         self.things.append(Thing(name, parts))
         return tops
 
@@ -118,39 +105,26 @@ class Furnishing:
                 continue
             x = size[0] * ((column + 0.5) / columns - 0.5)
             y = size[1] / 2 + seat[1] / 2 + self.kit.between(0.02, 0.25)
-            spot = Place(
-                *place.carry(x, y if side else -y),
-                0.0,
-                place.turn + (0.0 if side else np.pi) + self.kit.between(-0.1, 0.1),
-            )
-            area = Rectangle.about(spot[:2], turned_size(*seat[:2], spot.turn))
+            spot = place.at(x, y) if side else place.at(x, -y, turn=np.pi)
+            spot = spot.at(0.0, 0.0, turn=self.kit.between(-0.1, 0.1))
+            area = Rectangle.about(spot[:2], turned_size(seat, spot.turn))
             # a seat may stand where its table keeps the floor clear
-            if self._vacancy.fits(area, seat[2], area, self.shell.keep):
-                self._vacancy.taken.append(area)
+            if self.fits(area, seat[2], area, self.shell.keep):
+                self.taken.append(area)
                 self._stand(name, seat, spot)
 
     def _decorate(self, tops: list[Top], counts: Values, place: Place) -> None:
         """Stand things on the tops of another."""
-        used = [[] for _ in tops]
+        surfaces = [(top, []) for top in tops]
         for name, mean in counts.items():
             for _ in range(self._times(mean)):
-                number = self.kit.index(tops)
-                top = tops[number]
-                found = self._spot(top, _kind(name), used[number])
-                if found is not None:
-                    size, middle = found
-                    x, y = place.carry(*middle)
-                    self._stand(name, size, Place(x, y, place.z + top.z, place.turn))
+                top, used = self.kit.pick(surfaces)
+                self._stand_upon(name, top, used, place)
 
-    def _spot(
-        self,
-        top: Top,
-        kind: Kind,
-        used: Rectangles,
-    ) -> tuple[Extents, Array] | None:
-        """Draw size and middle of a thing that fits on a top beside what stands there."""
+    def _stand_upon(self, name: str, top: Top, used: Rectangles, place: Place) -> None:
+        """Make a thing and stand it on a top beside what stands there, if it fits."""
         for _ in range(4):
-            size = self._size(kind)
+            size = self._size(_kind(name))
             if (np.array(size) > [*top.area.size, top.room - 0.02]).any():
                 continue
             half = np.array(size[:2]) / 2
@@ -158,8 +132,8 @@ class Furnishing:
             area = Rectangle.about(middle, size[:2])
             if not area.meets(used):
                 used.append(area)
-                return size, middle
-        return None
+                self._stand(name, size, place.at(middle[0], middle[1], top.z))
+                return
 
 
 def _kind(name: str) -> Kind:

@@ -40,18 +40,17 @@ def table(
     thickness = min(kit.between(0.02, 0.05), height / 4)
     board = space.layer("z1", thickness)
     wood = kit.material("wood")
-    reach = 0.5  # of the place for things, as a share of the size
+    reach = 0.9  # of the place for things, as a share of the size
     if kit.chance(round_top):
-        disc = extrusion(ellipse(width, depth), thickness)
+        disc = extrusion(ellipse((width, depth)), thickness)
         yield wood, move(disc, (0, 0, board.z0))
         legs = "pedestal"
-        reach = 0.35
+        reach = 0.63
     else:
         yield wood, board
     yield from LEGS[legs](kit, wood, board)
-    x = reach * width * 0.9
-    y = reach * depth * 0.9
-    yield Top(Rectangle(-x, x, -y, y), height, 1.2)
+    free = Rectangle.about((0.0, 0.0), (reach * width, reach * depth))
+    yield Top(free, height, 1.2)
 
 
 def _pedestal(kit: Kit, wood: Material, board: Box) -> Piece:
@@ -92,37 +91,31 @@ LEGS = {
 }
 
 
-def seat(kit: Kit, space: Box, *, style: str = "chair") -> Piece:
-    """A chair or stool on legs, or an upholstered bench, armchair, sofa."""
-    if style in ("chair", "stool"):
-        return _chair(kit, space, back=style == "chair")
-    return _sofa(kit, space, arms=style in ("sofa", "armchair"))
-
-
-def _chair(kit: Kit, space: Box, *, back: bool) -> Piece:
-    """Seat, four legs and, of a chair, two posts with a board."""
-    width, depth, height = space.size
+def chair(kit: Kit, space: Box, *, back: bool = True) -> Piece:
+    """A chair or stool: seat, four legs and, at its back, two posts with a board."""
+    height = space.z1
     level = min(0.46, 0.55 * height) if back else height
     wood = kit.material("wood", "metal")
     thickness = 0.035
-    x = (width - thickness) / 2
-    y = (depth - thickness) / 2
+    half = thickness / 2
+    x = space.x1 - half
+    y = space.y1 - half
     low = level - 0.04
     yield "fabric", space.cut(z0=low, z1=level)
     yield wood, posts(x, y, thickness, 0, low)
     if back:
-        half = thickness / 2
         behind = Box(-x, x, y - half, y + half, level, height)
         low = level + 0.5 * (height - level) if kit.chance(0.5) else level + 0.08
         board = behind.cut(y0=y - 0.012, y1=y + 0.012, z0=low)
         yield wood, behind.bars("x", both_sides(x), half), board
 
 
-def _sofa(kit: Kit, space: Box, *, arms: bool) -> Piece:
-    """An upholstered seat, with arms or without, with a back where it is high enough."""
+def sofa(kit: Kit, space: Box, *, arms: bool = True) -> Piece:
+    """A sofa, armchair or bench, upholstered, with a back where it is high enough."""
     width, depth, height = space.size
     cover = kit.material("fabric")
     arm = kit.between(0.12, 0.2) if arms else 0.0
+    between = width - 2 * arm
     back = kit.between(0.16, 0.24) if height > 0.5 else 0.0
     level = min(0.42, 0.9 * height)
     yield cover, space.cut(z0=0.08, z1=level - 0.12)
@@ -131,19 +124,16 @@ def _sofa(kit: Kit, space: Box, *, arms: bool) -> Piece:
         posts(space.x1 - 0.06, space.y1 - 0.06, 0.06, 0, 0.08),
     )
     if arms:
-        top = min(kit.between(0.55, 0.65), height)
-        yield cover, space.ends("x", arm).cut(z0=0.08, z1=top)
-    inside = space.inset(x0=arm, x1=arm)
-    seats = (width - 2 * arm, depth - back, 0.18)
-    yield _cushions(cover, seats, (-back / 2, level - 0.05), 0.75)
+        rests = space.ends("x", arm)
+        yield cover, rests.cut(z0=0.08, z1=min(kit.between(0.55, 0.65), height))
+    middle = (-back / 2, level - 0.05)
+    yield _cushions(cover, (between, depth - back, 0.18), middle, 0.75)
     if back:
-        yield cover, inside.layer("y1", 0.08).cut(z0=level - 0.12)
-        cushions = (width - 2 * arm, back, height - level)
-        middle = (
-            space.y1 - back / 2 - 0.03,
-            level + 0.9 * ((height - level) / 2),
-        )
-        yield _cushions(cover, cushions, middle, 0.7)
+        behind = space.inset(x0=arm, x1=arm).layer("y1", 0.08)
+        yield cover, behind.cut(z0=level - 0.12)
+        above = height - level
+        middle = (space.y1 - back / 2 - 0.03, level + 0.45 * above)
+        yield _cushions(cover, (between, back, above), middle, 0.7)
 
 
 def _cushions(
@@ -227,30 +217,15 @@ def _doors(kit: Kit, wood: Material, body: Box, shape: Shape) -> Piece:
     """Fronts of all cells of a cabinet, in columns and rows, and handles on most cabinets."""
     columns, rows = shape
     gap = 0.006
-    width, _, height = body.size
-    dx = width / columns
-    dz = (height - 0.02) / rows
-    x = np.arange(columns)[:, None] * dx + body.x0
     y = body.y0
-    z = body.z0 + np.arange(rows) * dz
-    yield (
-        wood,
-        Box(
-            x + gap,
-            x + (dx - gap),
-            y,
-            y + 0.02,
-            z + gap,
-            z + (dz - gap),
-        ),
-    )
+    x = np.linspace(body.x0, body.x1, columns + 1)[:, None]
+    z = np.linspace(body.z0, body.z1 - 0.02, rows + 1)
+    cells = Box(x[:-1], x[1:], y, y + 0.02, z[:-1], z[1:])
+    yield wood, cells.inset(x0=gap, x1=gap, z0=gap, z1=gap)
     if kit.chance(0.6):
-        x = x + dx / 2
-        z = z + 0.8 * dz
-        yield (
-            "metal",
-            Box(x - 0.05, x + 0.05, y - 0.025, y, z, z + 0.012),
-        )
+        x = (x[:-1] + x[1:]) / 2
+        z = 0.2 * z[:-1] + 0.8 * z[1:]
+        yield "metal", Box(x - 0.05, x + 0.05, y - 0.025, y, z, z + 0.012)
 
 
 def shelf(kit: Kit, space: Box, *, fill: float = 0.5, bay: float = 0.9) -> Piece:

@@ -5,7 +5,6 @@ W/sr in those units, gives P cos(surface) cos(light) / distance² (Lambert's law
 """
 
 from collections.abc import Sequence
-from functools import lru_cache
 from typing import NamedTuple
 
 import numpy as np
@@ -37,14 +36,14 @@ class Picture(NamedTuple):
 
 
 class Surface(NamedTuple):
-    """What N rays meet."""
+    """What the rays of an image meet, (H, W) each."""
 
-    # Number of the part, (N,); -1 where nothing is met: there the other arrays mean nothing.
+    # Number of the part; -1 where nothing is met: there the other arrays mean nothing.
     part: Numbers
-    distance: Array  # m, (N,)
-    cosine: Array  # of incidence, without its sign, (N,)
-    position: Array  # (N, 3), m
-    normal: Array  # (N, 3), towards where the rays come from
+    distance: Array  # m
+    cosine: Array  # of incidence, without its sign
+    position: Array  # (H, W, 3), m
+    normal: Array  # (H, W, 3), towards where the rays come from
 
 
 class Interior:
@@ -114,10 +113,9 @@ class Interior:
         directions : ndarray of float32, shape (H, W, 3)
             Unit vectors through the pixels' centres, in the world.
         """
-        shape = directions.shape[:2]
-        rays = np.ascontiguousarray(directions.reshape(-1, 3), np.float32)
-        seen = self._surface(np.asarray(origin, float), rays)
-        pixel = np.linalg.norm(rays[1] - rays[0]) if shape[1] > 1 else 1e-3
+        seen = self._surface(np.asarray(origin, float), directions)
+        first = directions[0, :2]
+        pixel = np.linalg.norm(first[-1] - first[0]) or 1e-3
         footprint = pixel * seen.distance / np.maximum(seen.cosine, 0.15)
         albedo = self.palette.albedo(
             seen.part,
@@ -125,43 +123,33 @@ class Interior:
             seen.normal,
             footprint.astype(np.float32),
         )
-        light = self._direct_smooth(seen, shape)
-        light += self._bounced_light(seen, shape)
-        color = albedo * (light + self.palette.emission[seen.part][:, None])
+        # neighbours ask for different places on the lights
+        direct = self.direct(seen.position, seen.normal, _tiles(seen.part.shape))
+        light = _smooth(direct, seen.part, seen.normal) + self._bounced_light(seen)
+        color = albedo * (light + self.palette.emission[seen.part][..., None])
         missed = seen.part < 0
         color[missed] = self.sky
         seen.normal[missed] = 0.0
         seen.distance[missed] = np.nan
         instance = np.where(missed, -1, self.instance[seen.part])
         return Picture(
-            color.reshape(*shape, 3),
-            seen.distance.astype(np.float32).reshape(shape),
-            seen.normal.reshape(*shape, 3),
-            instance.astype(np.int32).reshape(shape),
+            color,
+            seen.distance.astype(np.float32),
+            seen.normal,
+            instance.astype(np.int32),
         )
-
-    def _direct_smooth(self, seen: Surface, shape: Shape) -> Array:
-        """Irradiance (N, 3) from the lights; neighbours ask for different places on them."""
-        light = self.direct(seen.position, seen.normal, _tiles(*shape))
-        smooth = _smooth(
-            light.reshape(*shape, 3),
-            seen.part.reshape(shape),
-            seen.normal.reshape(*shape, 3),
-        )
-        return smooth.reshape(-1, 3)
 
     def _surface(self, eye: Array, rays: Array) -> Surface:
-        """Surfaces that rays (N, 3) from a point (3,), m, meet.
+        """Surfaces that rays (H, W, 3) from a point (3,), m, meet.
 
         Range is solved in double precision from the triangle's plane: Embree's own is good to some
         micrometres only.
         """
-        starts = np.ascontiguousarray(
-            np.broadcast_to(eye.astype(np.float32), rays.shape)
-        )
-        triangle = self.tracer.nearest(starts, rays).triangle
+        flat = rays.reshape(-1, 3)
+        hits = self.tracer.nearest(np.full_like(flat, eye), flat)
+        triangle = hits.triangle.reshape(rays.shape[:2])
         plane = self.normals[triangle]
-        along = np.einsum("ij,ij->i", plane, rays)
+        along = np.einsum("...i,...i", plane, rays)
         distance = (self._offsets[triangle] - plane @ eye) / np.where(
             along == 0, 1e-12, along
         )
@@ -169,8 +157,8 @@ class Interior:
             np.where(triangle >= 0, self.part[triangle], -1),
             distance,
             np.abs(along),
-            (eye + distance[:, None] * rays).astype(np.float32),
-            (plane * -np.sign(along)[:, None]).astype(np.float32),
+            (eye + distance[..., None] * rays).astype(np.float32),
+            (plane * -np.sign(along)[..., None]).astype(np.float32),
         )
 
     def direct(
@@ -179,30 +167,28 @@ class Interior:
         normal: Array,
         sample: Numbers | None = None,
     ) -> Array:
-        """Irradiance (N, 3) from the lights, with shadows.
+        """Irradiance (..., 3) from the lights, with shadows.
 
         Parameters
         ----------
-        position, normal : ndarray of float32, shape (N, 3)
+        position, normal : ndarray of float32, shape (..., 3)
             m, and unit vectors.
-        sample : ndarray of int, shape (N,), optional
+        sample : ndarray of int, shape (...), optional
             Which of 16 places on a light is asked for, 0 to 15; its centre by default.
         """
         found = np.zeros(position.shape, np.float32)
         start = position + 2e-4 * normal
         for light in self.lights:
             to = _ways(light, start, sample)
-            reach = np.sqrt(np.einsum("ij,ij->i", to, to))
-            to /= np.maximum(reach, 1e-6)[:, None]
-            given = light.power * np.einsum("ij,ij->i", to, normal)
+            reach = np.sqrt(np.einsum("...i,...i", to, to))
+            to /= np.maximum(reach, 1e-6)[..., None]
+            given = light.power * np.einsum("...i,...i", to, normal)
             given /= np.maximum(reach, 0.2) ** 2
             facing = np.asarray(light.normal, np.float32)
             if facing.any():
                 given *= np.maximum(-(to @ facing), 0)
-            some = np.flatnonzero(given > 0)
-            lit = some[
-                ~self.tracer.is_blocked(start[some], to[some], reach[some] * 0.999)
-            ]
+            lit = given > 0
+            lit[lit] = ~self.tracer.is_blocked(start[lit], to[lit], reach[lit] * 0.999)
             found[lit] += given[lit, None] * np.asarray(light.colour, np.float32)
         return found
 
@@ -235,23 +221,23 @@ class Interior:
         behind[met] = back
         return radiance, behind
 
-    def _bounced_light(self, seen: Surface, shape: Shape) -> Array:
-        """Irradiance (N, 3) by one bounce; it varies slowly: 2 x 2 pixels of a surface share it."""
-        y, x = np.indices(shape).reshape(2, -1) // 2 * 2
-        lead = y * shape[1] + x
+    def _bounced_light(self, seen: Surface) -> Array:
+        """Irradiance by one bounce; it varies slowly: 2 x 2 pixels of a surface share it."""
+        pixel = np.indices(seen.part.shape)
+        lead = tuple(pixel // 2 * 2)
         alike = seen.part == seen.part[lead]
-        alike &= np.einsum("ij,ij->i", seen.normal, seen.normal[lead]) > 0.98
-        asked = np.flatnonzero(~alike | (lead == np.arange(len(lead))))
+        alike &= np.einsum("...i,...i", seen.normal, seen.normal[lead]) > 0.98
+        asked = ~alike | (pixel % 2 == 0).all(axis=0)
         found = np.zeros_like(seen.normal)
         found[asked] = self.bounce.irradiance(seen.position[asked], seen.normal[asked])
-        return np.where(alike[:, None], found[lead], found)
+        return np.where(alike[..., None], found[lead], found)
 
 
 def _ways(light: Light, start: Array, sample: Numbers | None) -> Array:
-    """Ways (N, 3), m, from points to a light's centre, or to a place on it of 4 x 4."""
+    """Ways (..., 3), m, from points to a light's centre, or to a place on it of 4 x 4."""
     ways = np.asarray(light.centre, np.float32) - start
     if sample is not None:
-        places = np.stack([sample % 4, sample // 4], 1).astype(np.float32) / 2 - 0.75
+        places = np.stack([sample % 4, sample // 4], -1).astype(np.float32) / 2 - 0.75
         ways += places @ np.array([light.half_u, light.half_v], np.float32)
     return ways
 
@@ -261,12 +247,11 @@ def _numbers(counts: list[int]) -> Numbers:
     return np.repeat(np.arange(len(counts)), counts)
 
 
-@lru_cache(maxsize=4)
-def _tiles(height: int, width: int) -> Numbers:
-    """Number 0 to 15 of each pixel (H·W,): every 4 x 4 pixels have all, neighbours far ones."""
+def _tiles(shape: Shape) -> Numbers:
+    """Number 0 to 15 of each pixel (H, W): every 4 x 4 pixels have all, neighbours far ones."""
     order = [0, 10, 2, 8, 5, 15, 7, 13, 1, 11, 3, 9, 4, 14, 6, 12]
-    y, x = np.indices((height, width), dtype=np.int32).reshape(2, -1) % 4
-    return np.array(order, np.int32)[4 * y + x]
+    y, x = np.indices(shape) % 4
+    return np.take(order, 4 * y + x)
 
 
 def _smooth(image: Array, part: Numbers, normal: Array) -> Array:

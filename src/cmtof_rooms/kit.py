@@ -6,7 +6,7 @@ solids of a piece of furniture, tops on which other things can stand, and the li
 
 from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import dataclass
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 import numpy as np
 from numpy.random import Generator
@@ -51,8 +51,7 @@ class Kit:
     def material(self, *roles: str) -> Material:
         """Draw one of the household's materials of a role, or of one of several roles."""
         role = roles[0] if len(roles) == 1 else self.rng.choice(roles)
-        materials = self.palette[role]
-        return materials[self.index(materials)]
+        return self.pick(self.palette[role])
 
     def part(self, material: Material | str, *solids: Trimesh | Box) -> Part:
         """Join solids of one material, or of one drawn for a role."""
@@ -61,9 +60,9 @@ class Kit:
         meshes = [slab(*one) if isinstance(one, Box) else one for one in solids]
         return Part(join(meshes), material)
 
-    def index(self, items: Sequence) -> int:
-        """Draw the place of one of several items."""
-        return int(self.rng.integers(len(items)))
+    def pick(self, items: Sequence) -> Any:
+        """Draw one of several items."""
+        return items[int(self.rng.integers(len(items)))]
 
     def between(self, low: float, high: float) -> float:
         """Draw a number evenly."""

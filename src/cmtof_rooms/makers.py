@@ -9,8 +9,9 @@ from cmtof_rooms.kit import Piece
 MAKERS: dict[str, Callable[..., Piece]] = {
     "bed": furniture.bed,
     "cabinet": furniture.cabinet,
-    "seat": furniture.seat,
+    "chair": furniture.chair,
     "shelf": furniture.shelf,
+    "sofa": furniture.sofa,
     "table": furniture.table,
     "blob": decoration.blob,
     "cloth": decoration.cloth,
@@ -19,6 +20,7 @@ MAKERS: dict[str, Callable[..., Piece]] = {
     "pipe": decoration.pipe,
     "plant": decoration.plant,
     "radiator": decoration.radiator,
+    "rug": decoration.rug,
     "stack": decoration.stack,
     "stairs": decoration.stairs,
     "vessel": decoration.vessel,

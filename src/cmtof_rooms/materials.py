@@ -156,20 +156,20 @@ class Palette:
         normal: Array,
         footprint: Array,
     ) -> Array:
-        """Reflectance (N, 3) of points of materials ``number`` (N,).
+        """Reflectance (..., 3) of points of materials ``number`` (...).
 
         Parameters
         ----------
-        number : ndarray of int, shape (N,)
-        position, normal : ndarray, shape (N, 3)
+        number : ndarray of int, shape (...)
+        position, normal : ndarray, shape (..., 3)
             In the room, m. The pattern lies in the plane that the normal is nearest to.
-        footprint : ndarray, shape (N,)
+        footprint : ndarray, shape (...)
             Size of a pixel on the surface, m; finer patterns fade to their mean.
         """
         found = self._colour[number]
         patterns = self._pattern[number]
         for name in set(self._pattern) - {"plain"}:
-            some = np.flatnonzero(patterns == name)
+            some = patterns == name
             kind = number[some]
             scale = self._scale[kind]
             s, t = _coordinates(position[some] / scale[:, None], normal[some])

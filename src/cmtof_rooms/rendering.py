@@ -21,7 +21,7 @@ from cmtof.frame import Frame, brightness
 from cmtof.hypersim import FILES, View, write_metadata
 from cmtof.terminal import delay_interrupts
 from cmtof.types import Shape
-from cmtof_rooms.cameras import Camera, Lens
+from cmtof_rooms.cameras import Lens
 from cmtof_rooms.interior import Picture
 from cmtof_rooms.rooms import (
     EXPOSURE,
@@ -93,9 +93,9 @@ class RenderedView(NamedTuple):
     @property
     def frame(self) -> Frame:
         """Frame for the simulator: range, linear green, camera."""
-        name = f"{self.room.name}/{self.camera}"
-        light = self.picture.color[..., 1]
-        return Frame(self.picture.depth, light, self.lens.camera, name)
+        depth = self.picture.depth
+        green = self.picture.color[..., 1]
+        return Frame(depth, green, self.lens.camera, f"{self.room.name}/{self.camera}")
 
 
 class Report(NamedTuple):
@@ -158,30 +158,6 @@ def expose(seen: Picture, rank: float) -> Picture:
     return seen._replace(color=seen.color * np.float32(wanted / max(middle, 1e-6)))
 
 
-def render_view(
-    room: FurnishedRoom, camera: Camera, lens: Lens, number: int
-) -> Picture:
-    """Render and expose one view.
-
-    Exposures step by the golden section through rooms and views: even small sets have their share
-    of dark and bright ones.
-
-    Parameters
-    ----------
-    room : FurnishedRoom
-    camera : Camera
-    lens : Lens
-    number : int
-        Count of the view within its room.
-    """
-    seen = room.interior.render(camera.position, lens.rays(camera.orientation))
-    start = stream(room.seed, 0, EXPOSURE).uniform()
-    return expose(
-        seen,
-        (start + 0.6180339887498949 * (7 * room.index + number)) % 1,
-    )
-
-
 def render_views(settings: Settings) -> Iterator[RenderedView]:
     """Render a set in this process, view by view, without writing anything."""
     for index in range(settings.scenes):
@@ -193,19 +169,22 @@ def views_of_room(
     index: int,
     views: list[tuple[str, int]],
 ) -> Iterator[RenderedView]:
-    """Render views of one room, given by camera and number."""
+    """Render and expose views of one room, given by camera and number.
+
+    Exposures step by the golden section through rooms and views: even small sets have their share
+    of dark and bright ones.
+    """
     room = build_room(settings.seed, index)
     lens = settings.lens(index)
     cameras = room.cameras(settings.views, lens)
+    start = stream(settings.seed, 0, EXPOSURE).uniform()
     for camera, number in views:
+        pose = cameras[camera][number]
+        seen = room.interior.render(pose.position, lens.rays(pose.orientation))
         # this count of a view does not depend on how many there are
-        picture = render_view(
-            room,
-            cameras[camera][number],
-            lens,
-            number + 4 * int(camera[-2:]),
-        )
-        yield RenderedView(room, lens, camera, number, picture)
+        count = 7 * index + number + 4 * int(camera[-2:])
+        rank = (start + 0.6180339887498949 * count) % 1
+        yield RenderedView(room, lens, camera, number, expose(seen, rank))
 
 
 def view_exists(root: str | Path, scene: str, camera: str, frame: int) -> bool:

@@ -1,6 +1,7 @@
 """Furnished rooms from a seed, with their light and their cameras."""
 
 from dataclasses import dataclass
+from functools import partial
 
 import numpy as np
 from numpy.random import Generator
@@ -10,8 +11,12 @@ from cmtof_rooms.building import build_shell
 from cmtof_rooms.cameras import (
     Cameras,
     Lens,
-    close_cameras,
-    room_cameras,
+    camera_across,
+    camera_close,
+    choose_cameras,
+    middles_of,
+    range_across,
+    range_close,
 )
 from cmtof_rooms.furnishing import Furnishing
 from cmtof_rooms.interior import Interior
@@ -89,20 +94,22 @@ class FurnishedRoom:
         Together ``views``; the first ones stay the same when more are asked for.
         """
         close = close_views(self.index, views)
-        across = room_cameras(
+        rng = stream(self.seed, self.index, ACROSS)
+        across = choose_cameras(
             views - close,
             self.interior,
             lens,
-            floor=self.floor,
-            height=self.height,
-            rng=stream(self.seed, self.index, ACROSS),
+            wanted=partial(range_across, rng),
+            draw=partial(camera_across, self.floor, self.height, rng),
         )
-        near = close_cameras(
+        rng = stream(self.seed, self.index, CLOSE)
+        things = [self.interior.things[number - 1] for number in self.furniture]
+        near = choose_cameras(
             close,
             self.interior,
             lens,
-            things=np.array(self.furniture),
-            rng=stream(self.seed, self.index, CLOSE),
+            wanted=partial(range_close, rng),
+            draw=partial(camera_close, middles_of(things), rng),
         )
         return {"cam_00": across, "cam_01": near}
 
@@ -114,37 +121,27 @@ def build_room(seed: int, index: int) -> FurnishedRoom:
     kind = weighted_choice(rng, {name: room["weight"] for name, room in rooms.items()})
     kit = household(rng)
     shell = build_shell(kit, rooms[kind])
-    inside = Furnishing(shell, kit)
+    inside = Furnishing(shell, kit, clear=list(shell.keep))
     tidy = kit.between(0.7, 1.5)
     inside.fill({name: tidy * mean for name, mean in rooms[kind]["things"].items()})
     for wall in shell.beyond:
         inside.things += _things_beyond(wall, kit)
+    interior = Interior(
+        shell.things + inside.things,
+        _strongest(shell, inside.lights),
+        [np.full(3, 0.1), np.array([shell.width, shell.depth, shell.height]) - 0.1],
+        sky=shell.sky,
+    )
+    first = len(shell.things) if inside.things else 0  # of an empty room, everything
     return FurnishedRoom(
         seed,
         index,
         kind,
-        _light_room(shell, inside),
+        interior,
         shell.floor,
         shell.height,
-        _numbers(shell, inside),
+        range(first + 1, len(interior.things) + 1),
     )
-
-
-def _light_room(shell: Shell, inside: Furnishing) -> Interior:
-    """The furnished room with its strongest lights."""
-    size = np.array([shell.width, shell.depth, shell.height])
-    return Interior(
-        shell.things + inside.things,
-        _strongest(shell, inside.lights),
-        [np.full(3, 0.1), size - 0.1],
-        sky=shell.sky,
-    )
-
-
-def _numbers(shell: Shell, inside: Furnishing) -> range:
-    """Numbers of the furniture; of everything in an empty room."""
-    first = len(shell.things) + 1
-    return range(first if inside.things else 1, first + len(inside.things))
 
 
 def _things_beyond(wall: Wall, kit: Kit) -> list[Thing]:

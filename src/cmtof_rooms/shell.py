@@ -7,16 +7,13 @@ corner (an L). A wall's own frame has x along it and y outwards.
 from dataclasses import dataclass, field
 
 import numpy as np
-from numpy.typing import ArrayLike
 from trimesh import Trimesh
 
-from cmtof.types import Array, Pair
 from cmtof_rooms.arrays import Triple
 from cmtof_rooms.boxes import Box, Rectangle, Rectangles
 from cmtof_rooms.kit import Kit
-from cmtof_rooms.materials import Material
-from cmtof_rooms.solids import move, plate, slab, turn_about_z
-from cmtof_rooms.things import Light, Part, Thing
+from cmtof_rooms.solids import move, plate
+from cmtof_rooms.things import Light, Place, Thing
 
 THICKNESS = 0.15  # of walls, m
 
@@ -25,34 +22,15 @@ THICKNESS = 0.15  # of walls, m
 class Wall:
     """One side of a room."""
 
-    origin: Pair  # its left end, seen from inside, m
-    turn: float  # of its own frame about z, rad
+    place: Place  # its left end, seen from inside
     length: float  # m
     # What is in it or stands before it, along the wall and in height.
     taken: Rectangles = field(default_factory=list)
     holes: Rectangles = field(default_factory=list)  # what is cut out of it
 
-    def place(self, points: ArrayLike) -> Array:
-        """Points (..., 3) of the wall's frame in the room, m."""
-        return np.asarray(points, float) @ turn_about_z(self.turn) + np.array(
-            [*self.origin, 0.0]
-        )
-
-    def parts(self, material: Material, *solids: Trimesh | Box) -> list[Part]:
-        """Solids of the wall's frame, each as a part of one material in the room."""
-        meshes: list[Trimesh] = []
-        for solid in solids:
-            if isinstance(solid, Box):
-                meshes += [slab(*single) for single in solid.singles()]
-            else:
-                meshes.append(solid)
-        return [
-            Part(move(one, (*self.origin, 0.0), self.turn), material) for one in meshes
-        ]
-
     def footprint(self, piece: Rectangle, y0: float, y1: float) -> Rectangle:
         """Floor along a piece of it between two distances outwards, m; quarter turns only."""
-        corners = self.place([(piece.x0, y0, 0.0), (piece.x1, y1, 0.0)])
+        corners = self.place.carry([(piece.x0, y0, 0.0), (piece.x1, y1, 0.0)])
         x, y, _ = np.sort(corners, axis=0).T.tolist()
         return Rectangle(*x, *y)
 
@@ -60,12 +38,13 @@ class Wall:
         """Whether nothing is in or before a piece of it."""
         return not piece.meets(self.taken, gap=0.0)
 
-    def gap(self, kit: Kit, width: float) -> float | None:
-        """Draw the start of a free piece, m, for a door or a passage; None after some tries."""
+    def gap(self, kit: Kit, width: float, height: float) -> Rectangle | None:
+        """Draw a free piece, m, for a door or a passage; None after some tries."""
         for _ in range(12 if self.length >= width + 0.3 else 0):
             x = kit.between(0.15, self.length - width - 0.15)
-            if self.free(Rectangle(x - 0.1, x + width + 0.1, 0, 9)):
-                return x
+            piece = Rectangle(x, x + width, 0.0, height)
+            if self.free(piece.grow(0.1, 0.1, 0.0, 9.0)):
+                return piece
         return None
 
     def cut(self, hole: Rectangle, side: float = 0.05, above: float = 0.05) -> None:
@@ -122,16 +101,10 @@ class Shell:
     eaves: list[Triple] = field(default_factory=list)
     lowest: float = 0.0
 
-    def add(self, kind: str, *parts: Part) -> None:
-        """Add a thing of the house itself."""
-        self.things.append(Thing(kind, list(parts)))
-
-    def build(self, kind: str, wall: Wall, *pieces: tuple) -> None:
-        """Add a thing made of pieces of one material each, given in the frame of a wall."""
-        self.add(
-            kind,
-            *[part for piece in pieces for part in wall.parts(*piece)],
-        )
+    def build(self, kind: str, place: Place, *pieces: tuple) -> None:
+        """Add a thing made of pieces of one material each, given in a frame."""
+        parts = [part for piece in pieces for part in place.parts(*piece)]
+        self.things.append(Thing(kind, parts))
 
     def headroom(self, area: Rectangle) -> float:
         """Free height above a rectangle of the floor, m."""

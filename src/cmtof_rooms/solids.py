@@ -1,6 +1,7 @@
 """Solids of rooms: a few closed shapes on trimesh, in metres, z up."""
 
 from collections.abc import Iterable, Sequence
+from itertools import product
 
 import numpy as np
 import trimesh
@@ -8,7 +9,7 @@ from numpy.random import Generator
 from numpy.typing import ArrayLike
 from trimesh import Trimesh
 
-from cmtof.types import Array, Flags, Numbers
+from cmtof.types import Array, Numbers
 
 _CORNERS = np.indices((2, 2, 2)).reshape(3, 8).T - 0.5
 """Corners of a unit cube about the origin."""
@@ -34,19 +35,6 @@ def mesh_from(vertices: Array, faces: ArrayLike) -> Trimesh:
     return Trimesh(vertices, faces, process=False)
 
 
-def box(size: ArrayLike, centre: ArrayLike = (0.0, 0.0, 0.0)) -> Trimesh:
-    """Box of full ``size`` (x, y, z) about ``centre``, m; several from arrays (..., 3).
-
-    >>> float(box((1, 2, 3)).volume)
-    6.0
-    """
-    sizes = np.asarray(size, float)[..., None, :]
-    corners = _CORNERS * sizes + np.asarray(centre, float)[..., None, :]
-    count = corners.size // 24
-    faces = _BOX_FACES + 8 * np.arange(count)[:, None, None]
-    return mesh_from(corners.reshape(-1, 3), faces.reshape(-1, 3))
-
-
 def slab(*limits: ArrayLike) -> Trimesh:
     """Box between limits x0, x1, y0, y1, z0, z1, m; several from arrays.
 
@@ -55,10 +43,12 @@ def slab(*limits: ArrayLike) -> Trimesh:
     >>> float(slab(0, 1, 0, 2, [0, 2], [1, 3]).volume)
     4.0
     """
-    corners = np.stack(np.broadcast_arrays(*limits), -1)
-    low = corners[..., ::2]
-    high = corners[..., 1::2]
-    return box(high - low, (low + high) / 2)
+    each = np.stack(np.broadcast_arrays(*limits), -1).reshape(-1, 1, 6)
+    low = each[..., ::2]
+    high = each[..., 1::2]
+    corners = _CORNERS * (high - low) + (low + high) / 2
+    faces = _BOX_FACES + 8 * np.arange(len(each))[:, None, None]
+    return mesh_from(corners.reshape(-1, 3), faces.reshape(-1, 3))
 
 
 def extrusion(outline: ArrayLike, height: float) -> Trimesh:
@@ -74,12 +64,10 @@ def extrusion(outline: ArrayLike, height: float) -> Trimesh:
     return trimesh.creation.extrude_triangulation(points, faces, height)
 
 
-def ellipse(width: float, depth: float, sections: int = 32) -> Array:
-    """Outline (N, 2) of an ellipse about the origin, m."""
+def ellipse(size: ArrayLike, sections: int = 32) -> Array:
+    """Outline (N, 2) of an ellipse of a size (x, y) about the origin, m."""
     turn = 2 * np.pi * np.arange(sections) / sections
-    x = width / 2 * np.cos(turn)
-    y = depth / 2 * np.sin(turn)
-    return np.stack([x, y], 1)
+    return np.stack([np.cos(turn), np.sin(turn)], 1) * np.divide(size, 2)
 
 
 def plate(
@@ -110,31 +98,23 @@ def plate(
     cut = np.array(holes, float).reshape(-1, 4)
     x = _lines(width, cut[:, :2])
     z = _lines(height, cut[:, 2:])
-    number = np.arange(len(x) * len(z)).reshape(len(x), len(z))
-    faces = triangles_of(cells_of(number)[_outside(cut, x, z)])
-    points = np.stack(np.meshgrid(x, z, indexing="ij"), -1).reshape(-1, 2)
-    solid = trimesh.creation.extrude_triangulation(points, faces, thickness)
-    solid.vertices = solid.vertices[
-        :, [0, 2, 1]
-    ]  # (x, z, y) to (x, y, z), a reflection
-    solid.faces = solid.faces[:, ::-1]
-    return solid
+    cells = cells_of(np.arange(len(x) * len(z)).reshape(len(x), len(z)))
+    whole = np.ones(cells.shape[:2], bool)
+    for hole in cut:
+        across = slice(*np.searchsorted(x, hole[:2]))
+        upright = slice(*np.searchsorted(z, hole[2:]))
+        whole[across, upright] = False
+    flat = trimesh.creation.extrude_triangulation(
+        [*product(x, z)], triangles_of(cells[whole]), thickness
+    )
+    # (x, z, y) to (x, y, z) is a reflection
+    return mesh_from(flat.vertices[:, [0, 2, 1]], flat.faces[:, ::-1])
 
 
 def _lines(length: float, edges: Array) -> Array:
     """Positions of grid lines: both ends and every edge of a hole between them."""
     every = np.append(edges, [0.0, length])
     return np.unique(np.clip(every, 0, length))
-
-
-def _outside(holes: Array, x: Array, z: Array) -> Flags:
-    """Whether the middle of each cell between grid lines x and z lies in no hole."""
-    x0, x1, z0, z1 = holes.T[:, :, None, None]
-    middle_x = ((x[1:] + x[:-1]) / 2)[:, None]
-    middle_z = (z[1:] + z[:-1]) / 2
-    across = (middle_x > x0) & (middle_x < x1)
-    upright = (middle_z > z0) & (middle_z < z1)
-    return ~(across & upright).any(axis=0)
 
 
 def cells_of(number: Numbers) -> Numbers:
@@ -167,25 +147,20 @@ def revolution(profile: ArrayLike, sections: int = 28) -> Trimesh:
     >>> bool(abs(cone.volume - np.pi) < 1e-3)
     True
     """
-    rings = np.asarray(profile, float)
-    on_axis = rings * [0, 1]
-    if rings[0, 0] > 0:
-        rings = np.vstack([on_axis[:1], rings])
-    if rings[-1, 0] > 0:
-        rings = np.vstack([rings, on_axis[-1:]])
+    rings = np.pad(np.asarray(profile, float), [(1, 1), (0, 0)], "edge")
+    rings[[0, -1], 0] = 0.0
     return trimesh.creation.revolve(rings, sections=sections)
 
 
-def sweep(path: ArrayLike, radius: ArrayLike, sections: int = 10) -> Trimesh:
-    """Round bar along a path (N, 3), m, of one radius or one for each point, m.
+def sweep(path: ArrayLike, radius: float, sections: int = 10) -> Trimesh:
+    """Round bar along a path (N, 3), m, of a radius, m.
 
     >>> bar = sweep([(0, 0, 0), (0, 0, 2)], 0.1, sections=400)
     >>> bar.is_watertight, round(float(bar.volume) / (2 * np.pi * 0.01), 3)
     (True, 1.0)
     """
     line = np.asarray(path, float)
-    radii = np.broadcast_to(radius, len(line))
-    rings = line[:, None] + radii[:, None, None] * _circles(line, sections)
+    rings = line[:, None] + radius * _circles(line, sections)
     vertices = np.concatenate([rings.reshape(-1, 3), line[[0, -1]]])
     number = np.arange(rings[..., 0].size).reshape(-1, sections)
     closed = np.hstack([number, number[:, :1]])
@@ -200,18 +175,13 @@ def sweep(path: ArrayLike, radius: ArrayLike, sections: int = 10) -> Trimesh:
 
 def _circles(line: Array, sections: int) -> Array:
     """Unit circles (N, sections, 3) across a path (N, 3)."""
-    along = _unit(np.gradient(line, axis=0))
+    along = trimesh.unitize(np.gradient(line, axis=0))
     # one axis that no part of the path follows serves all rings
     aside = np.eye(3)[np.abs(along).max(axis=0).argmin()]
-    u = _unit(np.cross(along, aside))
+    u = np.asarray(trimesh.unitize(np.cross(along, aside)))
     v = np.cross(along, u)
-    cosine, sine = ellipse(2.0, 2.0, sections).T[:, :, None]
+    cosine, sine = ellipse((2, 2), sections).T[:, :, None]
     return cosine * u[:, None] + sine * v[:, None]
-
-
-def _unit(vectors: Array) -> Array:
-    """Vectors (N, 3) of the same directions and length one."""
-    return vectors / np.linalg.norm(vectors, axis=1, keepdims=True)
 
 
 def ball(
@@ -275,10 +245,7 @@ def sheet(grid: ArrayLike, thickness: float) -> Trimesh:
     back = points - thickness * normal / np.linalg.norm(normal)
     vertices = np.concatenate([points, back]).reshape(-1, 3)
     faces = _sheet_faces(len(vertices) // 2, points.shape[1])
-    solid = mesh_from(vertices, faces)
-    if solid.volume > 0:
-        return solid
-    return mesh_from(vertices, faces[:, ::-1])
+    return mesh_from(vertices, faces)
 
 
 def _sheet_faces(count: int, columns: int) -> Numbers:

@@ -1,13 +1,16 @@
-"""What a room consists of: solids of one material, things made of them, and lights."""
+"""What a room consists of: solids of one material, things made of them, lights, and places."""
 
 from typing import NamedTuple
 
+import numpy as np
+from numpy.typing import ArrayLike
 from trimesh import Trimesh
 
 from cmtof.types import Array
 from cmtof_rooms.arrays import Vector
+from cmtof_rooms.boxes import Box
 from cmtof_rooms.materials import Colour, Material
-from cmtof_rooms.solids import join
+from cmtof_rooms.solids import join, move, slab, turn_about_z
 
 
 class Part(NamedTuple):
@@ -27,6 +30,42 @@ class Thing(NamedTuple):
     def bounds(self) -> Array:
         """Lowest and highest corner (2, 3), m."""
         return join(part.mesh for part in self.parts).bounds
+
+
+class Place(NamedTuple):
+    """A frame in a room, of a thing or a wall: its origin, m, and its turn about z, rad."""
+
+    x: float
+    y: float
+    turn: float = 0.0
+    z: float = 0.0
+
+    def carry(self, points: ArrayLike) -> Array:
+        """Points (..., 3) of the frame in the room, m."""
+        turned = np.asarray(points, float) @ turn_about_z(self.turn)
+        return turned + np.array([self.x, self.y, self.z])
+
+    def at(self, x: float, y: float, z: float = 0.0, turn: float = 0.0) -> "Place":
+        """Frame at a point of this one, m, turned by ``turn`` in it."""
+        x, y, z = self.carry((x, y, z))
+        return Place(x, y, self.turn + turn, z)
+
+    def move(self, mesh: Trimesh) -> Trimesh:
+        """Copy of a solid of the frame in the room."""
+        return move(mesh, (self.x, self.y, self.z), self.turn)
+
+    def parts(self, material: Material, *solids: Trimesh | Box) -> list[Part]:
+        """Solids of the frame, each as a part of one material in the room."""
+        meshes: list[Trimesh] = []
+        for solid in solids:
+            if isinstance(solid, Box):
+                meshes += [slab(*single) for single in solid.singles()]
+            else:
+                meshes.append(solid)
+        return [Part(self.move(mesh), material) for mesh in meshes]
+
+
+ROOM = Place(0.0, 0.0)  # the room's own frame
 
 
 class Light(NamedTuple):

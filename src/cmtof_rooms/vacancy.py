@@ -1,16 +1,16 @@
 """Free places in a room: on the floor, before or on a wall, under the ceiling."""
 
 from dataclasses import dataclass, field
-from typing import NamedTuple
 
 import numpy as np
 
-from cmtof.types import Array, Fields, Pair
-from cmtof_rooms.arrays import Triple
+from cmtof.types import Array, Fields
+from cmtof_rooms.arrays import Triple, Vector
 from cmtof_rooms.boxes import Rectangle, Rectangles
 from cmtof_rooms.kit import Kit
 from cmtof_rooms.shell import Shell, Wall
-from cmtof_rooms.things import Light
+from cmtof_rooms.solids import turn_about_z
+from cmtof_rooms.things import Light, Place
 
 Kind = Fields  # one of the ``kinds`` of `presets.yml`
 
@@ -19,32 +19,9 @@ Extents = Triple  # width, depth, height, m
 TRIES = 14  # places that are tried for one thing before it is left out
 
 
-class Place(NamedTuple):
-    """Where a thing stands: its foot, m, and its turn about z, rad."""
-
-    x: float
-    y: float
-    z: float
-    turn: float
-
-    def carry(self, x: float, y: float) -> Pair:
-        """Point of the thing's own frame in the room, m."""
-        cosine = np.cos(self.turn)
-        sine = np.sin(self.turn)
-        return (
-            self.x + cosine * x - sine * y,
-            self.y + sine * x + cosine * y,
-        )
-
-
-def turned_size(width: float, depth: float, turn: float) -> Pair:
-    """Size along x and y, m, of a rectangle that is turned by ``turn``, rad."""
-    cosine = abs(np.cos(turn))
-    sine = abs(np.sin(turn))
-    return (
-        width * cosine + depth * sine,
-        depth * cosine + width * sine,
-    )
+def turned_size(size: Vector, turn: float) -> Array:
+    """Size along x and y, m, of a box that is turned by ``turn``, rad, about z."""
+    return np.abs(turn_about_z(turn)[:2]) @ np.asarray(size)
 
 
 @dataclass
@@ -122,7 +99,10 @@ class Vacancy:
     def _at_wall(self, kind: Kind, size: Extents, foot: float) -> Place | None:
         """Try a place before a wall, in a corner, or on a wall with its foot at a height."""
         width, _, height = size
-        wall = self._some_wall()
+        lengths = np.array([wall.length for wall in self.shell.walls])
+        # long walls more often
+        number = self.kit.rng.choice(len(lengths), p=lengths / lengths.sum())
+        wall = self.shell.walls[number]
         last = wall.length - width - 0.04
         if wall.length < width + 0.1 or foot + height > self.shell.height - 0.02:
             return None
@@ -133,12 +113,6 @@ class Vacancy:
         if not wall.free(spot):
             return None
         return self._before_wall(kind, size, wall, spot)
-
-    def _some_wall(self) -> Wall:
-        """Draw a wall, long ones more often."""
-        lengths = np.array([wall.length for wall in self.shell.walls])
-        number = self.kit.rng.choice(len(lengths), p=lengths / lengths.sum())
-        return self.shell.walls[number]
 
     def _before_wall(
         self, kind: Kind, size: Extents, wall: Wall, spot: Rectangle
@@ -163,61 +137,47 @@ class Vacancy:
             if reach:
                 self.clear.append(wall.footprint(spot, front - reach, front))
         wall.taken.append(spot.grow(0.03, 0.03, 0.03, 0.05))
-        x, y, _ = wall.place((spot.x0 + width / 2, -depth / 2 - gap, 0.0))
-        return Place(x, y, spot.y0, wall.turn)
+        return wall.place.at(spot.x0 + width / 2, -depth / 2 - gap, spot.y0)
 
     def _on_floor(self, kind: Kind, size: Extents) -> Place | None:
         """Try a place on the floor, mostly about the middle of a room."""
         flat = kind["at"] == "flat"
         margin = kind.get("clear", 0.15)
-        floor = self._some_floor()
-        turn, covered = self._draw_turn(size, flat)
-        if (floor.size < covered + 2 * margin).any():
-            return None
+        floor = self.kit.pick(self.shell.floor)
+        turn = self.kit.rng.integers(4) * np.pi / 2
+        if not flat and self.kit.chance(0.3):
+            turn += self.kit.between(-0.3, 0.3)
+        covered = turned_size(size, turn)
         spare = floor.size - covered - 2 * margin
+        if (spare < 0).any():
+            return None
         middle = floor.start + margin + covered / 2 + self.kit.rng.beta(2, 2, 2) * spare
         area = Rectangle.about(middle, covered)
+        around = area.grow(margin, margin, margin, margin)
         if flat:
             if area.meets(self.shell.keep):
                 return None
-        elif self.fits(
-            area,
-            size[2],
-            area.grow(margin, margin, margin, margin),
-            self.clear,
-        ):
+        elif self.fits(area, size[2], around, self.clear):
             self._take(area, size[2])
         else:
             return None
-        return Place(middle[0], middle[1], 0.0, turn)
-
-    def _draw_turn(self, size: Extents, flat: bool) -> tuple[float, Array]:
-        """Draw a turn, rad, and say what size of the floor, m, a thing then covers."""
-        width, depth, _ = size
-        quarters = self.kit.rng.integers(4)
-        tilted = not flat and self.kit.chance(0.3)
-        tilt = self.kit.between(-0.3, 0.3) if tilted else 0.0
-        turned = (width, depth) if quarters % 2 == 0 else (depth, width)
-        return quarters * np.pi / 2 + tilt, np.array(turned_size(*turned, tilt))
-
-    def _some_floor(self) -> Rectangle:
-        """Draw one of the rectangles that cover the floor."""
-        return self.shell.floor[self.kit.index(self.shell.floor)]
+        return Place(middle[0], middle[1], turn)
 
     def _under_ceiling(self, size: Extents) -> Place | None:
         """Try a place under the ceiling, away from other lamps and tall things."""
         width, depth, height = size
         if self.shell.open:
             return None
-        floor = self._some_floor()
+        floor = self.kit.pick(self.shell.floor)
         x, y = (
             floor.start + width + self.kit.rng.beta(2, 2, 2) * (floor.size - 2 * width)
         )
         z = self.shell.height - self.shell.lowest - height
         area = Rectangle.about((x, y), (width, depth))
-        for other_x, other_y, other_z in (light.centre for light in self.lights):
-            if abs(other_z - z) < 1.0 and np.hypot(other_x - x, other_y - y) <= 1.2:
+        for light in self.lights:
+            along, across, above = light.centre - np.array([x, y, z])
+            if abs(above) < 1.0 and np.hypot(along, across) <= 1.2:
                 return None
         if area.meets(self.tall) or z + height > self.shell.headroom(area):
             return None
-        return Place(x, y, z, 0.0)
+        return Place(x, y, z=z)

@@ -10,7 +10,7 @@ from cmtof_rooms.bounce import measure_bounce
 from cmtof_rooms.cameras import Lens, look_at
 from cmtof_rooms.interior import Interior
 from cmtof_rooms.materials import Material
-from cmtof_rooms.solids import ball, box, move
+from cmtof_rooms.solids import ball, move, slab
 from cmtof_rooms.things import Light, Part, Thing, level_light
 
 pytest.importorskip("embreex")
@@ -19,9 +19,8 @@ INSIDE = ((-1, -1, 0.1), (1, 1, 1.9))
 
 def floor(albedo=0.5, z=-0.5, **more):
     """A large plate; its middle lies at a height, m."""
-    return Thing(
-        "floor", [Part(box((20, 20, 1), (0, 0, z)), Material((albedo,) * 3, **more))]
-    )
+    plate = slab(-10, 10, -10, 10, z - 0.5, z + 0.5)
+    return Thing("floor", [Part(plate, Material((albedo,) * 3, **more))])
 
 
 def point_light(power):
