@@ -3,6 +3,7 @@
 import json
 import os
 import sys
+from collections import Counter
 from collections.abc import Callable, Mapping
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated
@@ -94,10 +95,11 @@ def unwrap(
 
 def _check_distinct(paths: list[Path]) -> None:
     """Raise a ValueError if two of the inputs and outputs are the same file."""
-    real = {os.path.realpath(path) for path in paths}  # also for a circle of links
-    if len(real) < len(paths):
+    # also for a circle of links
+    file, count = Counter(map(os.path.realpath, paths)).most_common(1)[0]
+    if count > 1:
         raise ValueError(
-            f"Expected different files as inputs and outputs, got {paths[0].name} twice. "
+            f"Expected different files as inputs and outputs, got {Path(file).name} twice. "
             "Name another."
         )
 
