@@ -7,6 +7,7 @@ from pytest import fixture, mark, raises
 from pyvisa import VisaIOError
 from pyvisa.constants import StatusCode
 from refusals import refused
+from scpi_peers import Scpi
 
 from cmtof.hardware.device import (
     BadReply,
@@ -104,6 +105,8 @@ def test_another_device_is_refused(wire, driver):
     model = wire.answer
     if isinstance(model, T7):
         model.set(60000, "f", 4.0)
+    elif isinstance(model, Scpi):
+        wire.fail(b"*IDN?", b"MAKER,OTHER,1,2\n")
     else:
         model.model = b"TDC9" if isinstance(model, Controller) else "OTHER"
     with refused("Expected device to be .* Check the address", Refused):

@@ -1,15 +1,19 @@
 """The read-out before a model of the T7, in process and on TCP."""
 
+import socket
 import struct
 
 import numpy as np
 from peers import T7, Wire, modbus, simulated
+from pymodbus.framer import FramerSocket
+from pymodbus.pdu import DecodePDU
 from pytest import approx, fixture, mark, raises
 from refusals import refused
 from wire import Network, with_device
 
 from cmtof.hardware.connect import connected_driver
 from cmtof.hardware.device import BadReply, ConnectionLost, InstrumentTimeout, Refused
+from cmtof.hardware.modbus import Feedback
 from cmtof.hardware.rig import Rig
 from cmtof.hardware.t7 import LabJackT7
 
@@ -141,3 +145,16 @@ def test_a_log_has_every_request_and_reply(network, rig, tmp_path):
     asked = "daq > 00 07 d7 01"
     told = [asked, "daq < 00 01", *[asked, "daq ! timed out"] * 2]
     assert [line.partition(" ")[2] for line in lines] == told
+
+
+def test_frames_are_those_of_modbus_tcp():
+    """By pymodbus, whose framing knows nothing of function 76."""
+    listener = socket.create_server(("127.0.0.1", 0))
+    client = Feedback("{}:{}".format(*listener.getsockname()), timeout=0.05)
+    with raises(TimeoutError):
+        client.ask(b"\x00\xea\x60\x02")
+    with listener, listener.accept()[0] as far_end:
+        used, unit, number, body = FramerSocket(DecodePDU(True)).decode(
+            far_end.recv(100)
+        )
+    assert (used, unit, number, body) == (12, 1, 1, b"\x4c\x00\xea\x60\x02")
