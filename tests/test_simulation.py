@@ -3,7 +3,7 @@
 import numpy as np
 from numpy.testing import assert_allclose, assert_array_equal, assert_array_less
 from pytest import approx, mark
-from refusals import refused
+from refusals import WRONG, refused
 
 from cmtof.constants import FREQUENCIES
 from cmtof.correlation import phase_from_depth, wrap_count_from_depth
@@ -66,15 +66,7 @@ def test_full_protocol_scales_nothing_and_masks_beyond_the_beat():
     assert_allclose(m.amplitude[0], [[6366.2] * 4 + [0.0]], rtol=1e-5)
 
 
-@mark.parametrize(
-    ("changes", "message"),
-    [
-        ({"protocol": "fast"}, "protocol 'released' or 'full'"),
-        ({"order": "papr"}, "order 'paper' or 'released', got 'papr'"),
-        ({"frequencies": (0.0, 7e9)}, "rising order"),
-        ({"noise": -1.0}, "sigma >= 0"),
-    ],
-)
+@mark.parametrize(("changes", "message"), WRONG["conditions"])
 def test_impossible_conditions_are_refused(tilted_wall, changes, message):
     with refused(message):
         simulate(tilted_wall, **changes)

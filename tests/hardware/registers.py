@@ -21,7 +21,6 @@ def listed():
 HERE = Path(__file__).parent
 WORDS = {"UINT16": ">H", "UINT32": ">I", "FLOAT32": ">f"}
 LISTED = listed()
-WRONG = read_document(HERE / "wrong.yml")
 ACCESS = {address: one["access"] for address, _, one in LISTED.values()}
 
 

@@ -10,8 +10,7 @@ from unittest.mock import Mock, call
 import numpy as np
 import serial
 from pytest import approx, mark
-from refusals import refused
-from registers import WRONG
+from refusals import WRONG, refused
 from wire import with_device
 
 from cmtof.hardware.connect import connected_driver

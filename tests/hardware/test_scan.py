@@ -10,8 +10,7 @@ from unittest.mock import DEFAULT, Mock, call
 import numpy as np
 from numpy.testing import assert_allclose, assert_array_equal
 from pytest import approx, fixture, mark, raises
-from refusals import refused
-from registers import WRONG
+from refusals import WRONG, refused
 from wire import WALL
 
 import cmtof
