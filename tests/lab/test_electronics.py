@@ -41,5 +41,5 @@ def test_filtered_noise_has_its_memory(rng):
 def test_counts_and_volts_invert_each_other():
     volts = np.linspace(-10, 9.9, 101)
     back = volts_from_counts(counts_from_volts(volts))
-    assert np.abs(back - volts).max() <= 0.51 * 3.15805780e-4
+    assert_allclose(back, volts, rtol=0, atol=0.51 * 3.15805780e-4)
     assert counts_from_volts([-99, 99]).tolist() == [0, 65535]
