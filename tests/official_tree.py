@@ -8,16 +8,36 @@ import numpy as np
 from vectors import unit
 
 SHAPE = (24, 32)
-PLAIN = np.diag([0.5773502886169104, 0.4330127164626828, -1.0])
-TILTED = np.array(  # the official row of ai_037_002
-    [
-        [0.579607251426182, 0.0, -0.06955286861651404],
-        [0.0, 0.4346865334657201, 0.09273312506660672],
-        [0.0, 0.004054126980668954, -1.003909173803896],
-    ]
-)
-PROJECTIONS = {"ai_001_001": PLAIN, "ai_001_002": TILTED, "ai_002_001": PLAIN}
-PARTITIONS = {"ai_001_001": "train", "ai_001_002": "train", "ai_002_001": "test"}
+CAMERAS = """\
+scene_name,settings_output_img_height,use_camera_physical,\
+M_cam_from_uv_00,M_cam_from_uv_01,M_cam_from_uv_02,\
+M_cam_from_uv_10,M_cam_from_uv_11,M_cam_from_uv_12,\
+M_cam_from_uv_20,M_cam_from_uv_21,M_cam_from_uv_22
+ai_001_001,24.0,False,0.5773502886169104,0.0,0.0,0.0,0.4330127164626828,0.0,0.0,0.0,-1.0
+ai_001_002,24.0,False,0.579607251426182,0.0,-0.06955286861651404,\
+0.0,0.4346865334657201,0.09273312506660672,0.0,0.004054126980668954,-1.003909173803896
+ai_002_001,24.0,False,0.5773502886169104,0.0,0.0,0.0,0.4330127164626828,0.0,0.0,0.0,-1.0
+"""
+"""Cameras of the scenes; that of the second is the official row of ai_037_002."""
+SPLIT = """\
+scene_name,camera_name,frame_id,included_in_public_release,exclude_reason,split_partition_name
+ai_001_001,cam_00,0,True,,train
+ai_001_001,cam_00,42,True,,train
+ai_001_001,cam_01,3,True,,train
+ai_001_002,cam_00,0,True,,train
+ai_001_002,cam_00,42,True,,train
+ai_001_002,cam_01,3,True,,train
+ai_002_001,cam_00,0,True,,test
+ai_002_001,cam_00,42,True,,test
+ai_002_001,cam_01,3,True,,test
+ai_002_001,cam_00,7,False,CONTENT FLAGGED FOR REMOVAL,
+"""
+"""Partitions of the views, of which the last was withdrawn."""
+PROJECTIONS = {
+    scene: np.reshape(matrix, (3, 3)).astype(float)
+    for scene, _, _, *matrix in csv.reader(CAMERAS.splitlines()[1:])
+}
+PLAIN = PROJECTIONS["ai_001_001"]
 VIEWS = [("cam_00", 0), ("cam_00", 42), ("cam_01", 3)]
 
 
@@ -43,11 +63,6 @@ def write_official(path, array):
         )
 
 
-def write_rows(path, rows):
-    with path.open("w", newline="") as file:
-        csv.writer(file).writerows(rows)
-
-
 def write_views(root):
     """Depth and colour of three views of each scene."""
     color = np.broadcast_to(np.array([0.2, 0.5, 0.9], np.float16), (*SHAPE, 3)).copy()
@@ -67,21 +82,9 @@ def write_views(root):
         write_official(images / f"scene_{camera}_final_hdf5/{name}.color.hdf5", color)
 
 
-def write_tables(root):
-    """Cameras of the scenes, and partitions of the views, one of them withdrawn."""
-    matrix = [f"M_cam_from_uv_{i}{j}" for i in range(3) for j in range(3)]
-    head = ["scene_name", "settings_output_img_height", "use_camera_physical", *matrix]
-    rows = [[s, 24.0, False, *m.ravel()] for s, m in PROJECTIONS.items()]
-    write_rows(root / "metadata_camera_parameters.csv", [head, *rows])
-    head = ["scene_name", "camera_name", "frame_id", "included_in_public_release"]
-    head += ["exclude_reason", "split_partition_name"]
-    rows = [[s, c, f, True, "", p] for s, p in PARTITIONS.items() for c, f in VIEWS]
-    hidden = ["ai_002_001", "cam_00", 7, False, "CONTENT FLAGGED FOR REMOVAL", ""]
-    write_rows(root / "metadata_images_split_scene_v1.csv", [head, *rows, hidden])
-
-
 def write_tree(root):
     """Three official scenes of three views each, and both tables."""
     write_views(root)
-    write_tables(root)
+    (root / "metadata_camera_parameters.csv").write_text(CAMERAS)
+    (root / "metadata_images_split_scene_v1.csv").write_text(SPLIT)
     return root

@@ -1,8 +1,13 @@
-"""What a refusal says: one line of one pattern."""
+"""What is refused, and what a refusal says: one line of one pattern."""
 
 import re
+from pathlib import Path
 
 from pytest import raises
+
+from cmtof.files import read_document
+
+WRONG = read_document(Path(__file__).with_name("wrong.yml"))
 
 
 def is_one_sentence(error):

@@ -1,7 +1,13 @@
-"""Rates of a method, as tables count them."""
+"""What a method finds, and its rates, as tables count them."""
 
 import cmtof
 from cmtof.evaluation import score, scored_pixels
+
+
+def images(measurement, **method):
+    """Wrap count, depth and confidence (H, W) of a measurement."""
+    result = cmtof.unwrap(measurement, **method)
+    return [result[name].to_numpy() for name in ("wrap_count", "depth", "confidence")]
 
 
 def scores(measurement, **method):

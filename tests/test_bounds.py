@@ -14,8 +14,9 @@ from cmtof.correlation import (
     phase_from_correlation,
 )
 from cmtof.detector import poisson_gaussian
+from cmtof.simulation import QUADRATURES
 
-PSI = np.arange(4) * np.pi / 2
+PSI = np.array(QUADRATURES)
 DRAWS = 300_000
 
 

@@ -4,19 +4,19 @@ import json
 import warnings
 from importlib.resources import files
 from pathlib import Path
+from unittest.mock import Mock
 
 import xarray as xr
 from pytest import approx, mark, raises
 
 import cmtof
 from cmtof.measurement import Measurement
+from cmtof_book.provenance import read_json
+
+SCORES = Path("scores.json")
 
 
-def read_json(name):
-    return json.loads(Path(name).read_text())
-
-
-def test_from_frame_to_depth_and_points(succeeds, tmp_path):
+def test_from_frame_to_depth_and_points(succeeds):
     assert "0.755-1.195 m" in succeeds("simulate still_life -o m.nc --seed 5")
     assert "δ<1" in succeeds("unwrap m.nc -o out.nc --ply cloud.ply")
     measurement = cmtof.open("m.nc")
@@ -32,7 +32,7 @@ def test_from_frame_to_depth_and_points(succeeds, tmp_path):
     tiled = xr.load_dataset("out.nc")
     assert set(tiled.data_vars) == sets
     assert 0.9 - 1e-6 <= tiled.depth.min() < tiled.depth.max() < 1
-    assert sorted(p.name for p in tmp_path.iterdir()) == ["cloud.ply", "m.nc", "out.nc"]
+    assert {*map(str, Path().iterdir())} == {"cloud.ply", "m.nc", "out.nc"}
 
 
 def test_light_of_a_covered_beam_is_taken_away(succeeds, measured):
@@ -58,7 +58,7 @@ def test_simulate_options_reach_the_file(succeeds, tilted_wall):
     assert cmtof.open("m.nc").dataset.attrs["photon_noise"] == 0
 
 
-SCORES = {
+RATES = {
     "delta_lt_1",
     "delta_lt_2",
     "delta_lt_3",
@@ -75,12 +75,12 @@ SCORES = {
 def test_evaluate_writes_the_contract(succeeds):
     command = "evaluate still_life room --method crt,beat --json scores.json"
     assert "beat" in succeeds(command)
-    report = read_json("scores.json")
+    report = read_json(SCORES)
     told = {"protocol", "noise", "seed", "frames", "notes", "coverage", "methods"}
     assert set(report) == told
     assert 0 < report["coverage"] < 1
     for scores in report["methods"].values():
-        assert set(scores) == SCORES
+        assert set(scores) == RATES
         assert scores["delta_lt_3"] + scores["delta_ge_3"] == approx(1)
     crt, beat = (report["methods"][name]["delta_lt_1"] for name in ("crt", "beat"))
     assert beat > 3 * crt
@@ -99,26 +99,26 @@ def test_methods_and_info(succeeds, measurement_file):
     assert "depth (240, 320) float32" in succeeds("info room")
 
 
-def test_rooms_are_rendered_and_evaluated_as_a_folder(succeeds, tmp_path):
+def test_rooms_are_rendered_and_evaluated_as_a_folder(succeeds):
     command = "render --scenes 1 --views 2 --size 48x64 --seed 2 --workers 1 -o rooms"
     assert "1 rooms, 2 views each; 2 views rendered" in succeeds(command)
     assert "0 views rendered" in succeeds(command)
-    lost = next(tmp_path.rglob("frame.0001.color.hdf5"))
+    lost = next(Path().rglob("frame.0001.color.hdf5"))
     lost.write_bytes(lost.read_bytes()[:100])
     options = "--method beat --protocol full --json scores.json"
     text = succeeds("evaluate rooms", options)
-    assert len(read_json("scores.json")["frames"]) == 1
+    assert len(read_json(SCORES)["frames"]) == 1
     assert "skipped" in text
     assert "frame.0001.color.hdf5" in text
 
 
-def test_a_frame_that_fails_takes_no_other_with_it(fails, tmp_path, flat_wall):
-    (tmp_path / "set").mkdir()
+def test_a_frame_that_fails_takes_no_other_with_it(fails, flat_wall):
+    Path("set").mkdir()
     flat_wall(8, 0.9).save("set/near.npz")
     flat_wall(8, 300.0).save("set/far.npz")
     command = "evaluate set set/far.npz --method middle --json scores.json"
     assert "Expected depths between" in fails(command)
-    report = read_json("scores.json")
+    report = read_json(SCORES)
     assert report["frames"] == ["near"]
     assert "Expected depths between" in report["notes"]["skipped far"]
 
@@ -126,8 +126,8 @@ def test_a_frame_that_fails_takes_no_other_with_it(fails, tmp_path, flat_wall):
 # --- bad input: one line, exit code 1, nothing left behind -----------------------------------
 
 
-def test_inputs_are_never_replaced(fails, tmp_path, measured):
-    m = tmp_path / "m.nc"
+def test_inputs_are_never_replaced(fails, measured):
+    m = Path("m.nc")
     Measurement(measured.dataset.drop_vars("camera")).save(m)
     before = m.read_bytes()
     assert "got m.nc twice" in fails("unwrap m.nc -o m.nc")
@@ -136,7 +136,7 @@ def test_inputs_are_never_replaced(fails, tmp_path, measured):
     assert "named *.json, got m.nc" in fails("evaluate room --json m.nc")
     assert "Expected a camera" in fails("unwrap m.nc -o out.nc --ply c.ply")
     assert m.read_bytes() == before
-    assert [*tmp_path.iterdir()] == [m]
+    assert [*Path().iterdir()] == [m]
 
 
 @mark.parametrize("line", ["frobnicate", "simulate", "unwrap m.nc", "info --no"])
@@ -165,16 +165,13 @@ def test_help_teaches(succeeds, command):
         ),
     ],
 )
-def test_what_goes_wrong_inside(run, tmp_path, monkeypatch, error, code, message):
-    def broken(*_arguments, **_options):
-        raise error
-
-    monkeypatch.setattr("cmtof.evaluation.unwrap", broken)
+def test_what_goes_wrong_inside(run, monkeypatch, error, code, message):
+    monkeypatch.setattr("cmtof.evaluation.unwrap", Mock(side_effect=error))
     found, _, err = run("evaluate stairs --method crt --json s.json")
     assert found == code
     assert message in err
     assert "Traceback" not in err
-    assert not list(tmp_path.iterdir())
+    assert not list(Path().iterdir())
     if code == 1:
         with raises(type(error)):
             from cmtof.cli import main
@@ -196,19 +193,19 @@ def test_own_warnings_are_one_line(run, measurement_file, monkeypatch):
     ]
 
 
-def test_a_rig_file_is_simulated_with_its_own_twin(succeeds, tmp_path):
+def test_a_rig_file_is_simulated_with_its_own_twin(succeeds):
     """Without --twin its devices would be opened."""
     default = files("cmtof.hardware").joinpath("rig.yml").read_text()
     twin = "twin: {phase_noise: [0.3, 0.3], grain: 0.2}\n"
-    (tmp_path / "rig.yml").write_text(default + twin)
+    Path("rig.yml").write_text(default + twin)
     succeeds("scan rig.yml --twin --size 2 -o m.nc --quiet")
     settings = json.loads(cmtof.open("m.nc").dataset.attrs["twin"])
     assert settings["phase_noise"] == [0.3, 0.3]
 
 
-def test_a_training_that_is_there_is_not_replaced(succeeds, fails, tmp_path):
+def test_a_training_that_is_there_is_not_replaced(succeeds, fails):
     stage = "{name: a, crops: 8, crop: 32, batch: 2, noise: [30, 60], rate: [1.0e-3, 1.0e-4]}"
-    (tmp_path / "a.yml").write_text(f"{{rooms: null, stages: [{stage}]}}")
+    Path("a.yml").write_text(f"{{rooms: null, stages: [{stage}]}}")
     command = "train a.yml --model fast-scnn-light -o run --quiet"
     succeeds(command)
     assert "--resume" in fails(command)

@@ -3,6 +3,8 @@
 import os
 import subprocess
 import sys
+from pathlib import Path
+from unittest.mock import Mock
 
 from numba.core.caching import IndexDataCacheFile
 from pytest import warns
@@ -10,13 +12,12 @@ from pytest import warns
 from cmtof import compiled
 
 
-def test_a_command_runs_uncached_and_says_so_once(tmp_path, measurement_file):
+def test_a_command_runs_uncached_and_says_so_once(own_folder, measurement_file):
     # as in a read-only installation of a user without a home: no place but NUMBA_CACHE_DIR is tried
     changes = {"NUMBA_CACHE_LOCATOR_CLASSES": "UserProvidedCacheLocator"}
     line = f"-m cmtof.cli unwrap {measurement_file} -o out.nc --method mrf"
     done = subprocess.run(
         [sys.executable, *line.split()],
-        cwd=tmp_path,
         env={name: os.environ[name] for name in os.environ if name != "NUMBA_CACHE_DIR"}
         | changes,
         capture_output=True,
@@ -25,14 +26,12 @@ def test_a_command_runs_uncached_and_says_so_once(tmp_path, measurement_file):
     (line,) = done.stderr.splitlines()
     assert "Set NUMBA_CACHE_DIR" in line
     assert done.returncode == 0
-    assert (tmp_path / "out.nc").is_file()
+    assert Path("out.nc").is_file()
 
 
 def test_a_full_disk_ends_no_command(monkeypatch):
-    def full(*_):
-        raise OSError(28, "No space left on device")
-
-    monkeypatch.setattr(IndexDataCacheFile, "save", full)
+    full = OSError(28, "No space left on device")
+    monkeypatch.setattr(IndexDataCacheFile, "save", Mock(side_effect=full))
     compiled._warn_uncached.cache_clear()
 
     @compiled.njit()

@@ -9,10 +9,11 @@ from refusals import refused
 
 from cmtof import correlation as co
 from cmtof.correlation import TAU
+from cmtof.hardware.reduction import nominal_psi
 from cmtof.modulator import SINGLE
+from cmtof.simulation import QUADRATURES
 from cmtof.waveform import gate, waveform_from_harmonics
 
-QUADRATURES = np.arange(4) * np.pi / 2
 angles = st.floats(0, TAU, exclude_max=True)
 
 
@@ -54,7 +55,7 @@ def test_four_steps_equal_the_first_fourier_bin(rng):
 
 @mark.parametrize("steps", [3, 4, 16])
 def test_decoding_in_single_precision_errs_by_less_than_5_microradians(rng, steps):
-    psi = rng.permutation(TAU * np.arange(steps) / steps)
+    psi = rng.permutation(nominal_psi(steps))
     phase = rng.uniform(0, TAU, (40, 101))
     phase[0, :6] = [0, np.pi / 4, np.pi / 2, np.pi, 3 * np.pi / 2, TAU - 1e-7]  # seams
     amplitude = rng.uniform(10, 6366, phase.shape)
@@ -74,7 +75,7 @@ def test_decoding_in_single_precision_errs_by_less_than_5_microradians(rng, step
 
 
 def test_two_frequencies_decode_each_with_its_own_steps(rng):
-    psi = np.stack([QUADRATURES, QUADRATURES + 0.2])
+    psi = np.add.outer([0, 0.2], QUADRATURES)
     phase = rng.uniform(0, TAU, (2, 6, 7))
     c = np.stack([*map(co.correlation_from_phase, phase, psi)])
     assert_allclose(co.decode(c, psi).phase, phase, atol=1e-12)
@@ -100,7 +101,7 @@ def test_undecodable_psi_is_refused(psi, message):
 
 
 def test_residual_noise_finds_the_noise_of_the_samples(rng):
-    psi = TAU * np.arange(6) / 6
+    psi = nominal_psi(6)
     signal = co.correlation_from_phase(
         rng.uniform(0, 6, 50_000), psi, amplitude=100.0, offset=200.0
     )

@@ -8,7 +8,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 from numpy.testing import assert_allclose, assert_array_equal
 from pytest import mark
-from refusals import refused
+from refusals import WRONG, refused
 
 import cmtof
 from cmtof import captures
@@ -121,15 +121,7 @@ def test_a_capture_opens_from_everywhere(rng, monkeypatch, folder):
     assert measurement.frequencies.tolist() == [7.15e9]
 
 
-@mark.parametrize(
-    ("text", "message"),
-    [
-        ("", "(none)"),
-        ("1,x\n3,4\n", "rows of finite numbers"),
-        ("1,700\n3,4\n", "Is it a depth map"),
-        ("1,2,3\n", "reference depth of shape"),
-    ],
-)
+@mark.parametrize(("text", "message"), WRONG["captures"])
 def test_broken_captures_end_in_one_sentence(text, message):
     write_capture(ONES, 700 * ONES)
     CAPTURE.write_text(text)

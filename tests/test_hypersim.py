@@ -1,5 +1,7 @@
 """Hypersim's tree as its authors describe it, and rooms written in the same layout."""
 
+from itertools import chain
+
 import h5py
 import numpy as np
 import official_tree
@@ -13,7 +15,6 @@ from official_tree import (
     VIEWS,
     wall,
     write_official,
-    write_rows,
 )
 from pytest import approx, fixture, mark
 from refusals import refused
@@ -161,12 +162,12 @@ def test_what_is_missing_is_named(tree):
 
 
 def test_damaged_tables_are_named(tree):
-    head = ["scene_name", "camera_name", "frame_id", "split_partition_name"]
-    write_rows(tree / "metadata_images_split_scene_v1.csv", [head, "abcd"])
+    text = "scene_name,camera_name,frame_id,split_partition_name\na,b,c,d\n"
+    (tree / "metadata_images_split_scene_v1.csv").write_text(text)
     with refused(r"columns and numbers, got .*split_scene_v1.csv"):
         Hypersim(tree).split()
-    column = [["M_cam_from_uv_00"], ["minus one"]]
-    write_rows(tree / "metadata_camera_parameters.csv", column)
+    text = "M_cam_from_uv_00\nminus one\n"
+    (tree / "metadata_camera_parameters.csv").write_text(text)
     with refused(r"columns and numbers, got .*camera_parameters.csv"):
         _ = Hypersim(tree).projections
 
@@ -177,8 +178,8 @@ def test_papers_frames_are_tested_and_their_scenes_never_trained_on(tree, place)
     for table in list(tree.glob("*.csv")):
         table.rename(tree / place / table.name)
     split = Hypersim(tree).split()
-    tested = [view.name for view in split["test"]]
-    assert tested == ["ai_001_001/cam_00/0042", "ai_002_001/cam_00/0042"]
+    names = ["ai_001_001/cam_00/0042", "ai_002_001/cam_00/0042"]
+    assert [view.name for view in split["test"]] == names
     assert {view.scene for view in split["train"]} == {"ai_001_002"}
     assert load_frame(tree).name == "ai_001_001/cam_00/0042"
 
@@ -196,7 +197,7 @@ def test_no_view_stands_in_two_partitions(partitions, views):
         View(scene, *view, p) for scene, p in partitions.items() for view in views
     ]
     parts = split_views(listed)
-    found = [view for part in parts.values() for view in part]
+    found = [*chain(*parts.values())]
     assert len(found) == len(set(found))
     assert set(found) <= {v for v in listed if v.partition}
     together = [{v.scene for v in part} for part in parts.values()]

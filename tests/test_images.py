@@ -34,8 +34,7 @@ def levels(scale):
 
 def read(depth, light=LIGHT, name="d.png", **how):
     """A frame of two images as they are stored."""
-    colour = write("light.png", light)
-    return load_frame(write(name, depth), intensity=colour, **how)
+    return load_frame(write(name, depth), intensity=write("light.png", light), **how)
 
 
 ROTATED = levels(1000) * 8
@@ -166,16 +165,28 @@ def test_light_of_an_archive_is_what_its_type_says(level, kind, right, note):
     assert_array_equal(Frame(DEPTH, light).intensity, frame.intensity)
 
 
+TUM_DEPTH = """\
+# timestamp filename
+1.0100 depth/1.01.png
+9.0000 depth/9.0.png
+1.0400 depth/1.04.png
+"""
+TUM_RGB = """\
+# timestamp filename
+1.0000 rgb/1.0.png
+1.0500 rgb/1.05.png
+"""
+
+
 @fixture
 def tum(own_folder):
     """A sequence of the TUM benchmark: the second depth has no colour near it in time."""
-    for kind, times in (("depth", (1.01, 9.0, 1.04)), ("rgb", (1.0, 1.05))):
-        names = {time: f"{kind}/{time}.png" for time in times}
-        for time, name in names.items():
-            shade = np.full((*SHAPE, 3), 255 if time == 1.05 else 188, np.uint8)
-            write(name, levels(5000) if kind == "depth" else shade)
-        lines = "".join(f"{time:.4f} {name}\n" for time, name in names.items())
-        Path(f"{kind}.txt").write_text(f"# timestamp filename\n{lines}")
+    for time in ("1.01", "9.0", "1.04"):
+        write(f"depth/{time}.png", levels(5000))
+    write("rgb/1.0.png", LIGHT)
+    write("rgb/1.05.png", np.full_like(LIGHT, 255))
+    Path("depth.txt").write_text(TUM_DEPTH)
+    Path("rgb.txt").write_text(TUM_RGB)
     return "."
 
 

@@ -2,28 +2,15 @@
 
 import subprocess
 import sys
+from pathlib import Path
 
 from pytest import mark
+from refusals import WRONG
 
 from cmtof_book import ROOT
 
 
-@mark.parametrize(
-    ("arguments", "message"),
-    [
-        (
-            ["help", "PROFILE=nonsense"],
-            "Expected PROFILE as one of ci book paper, got «nonsense»",
-        ),
-        (["help", "PROFILE="], "Expected PROFILE"),
-        (["help", "CORES="], "Expected CORES as a number, got «»"),
-        (["help", "CORES=2x"], "Expected CORES as a number, got «2x»"),
-        (["figure"], "Expected a figure, got F=."),
-        (["figure", "F=no_such"], "Expected a figure, got F=no_such."),
-        (["figure", 'F="; touch MARK; "'], "Expected a figure"),
-        (["figure", "PROFILE=ci;touch MARK"], "Expected PROFILE"),
-    ],
-)
+@mark.parametrize(("arguments", "message"), WRONG["make"])
 def test_settings_are_checked_and_never_run(tmp_path, arguments, message):
     mark = tmp_path / "mark"
     words = [word.replace("MARK", str(mark)) for word in arguments]
@@ -37,15 +24,15 @@ def test_settings_are_checked_and_never_run(tmp_path, arguments, message):
 
 
 @mark.parametrize("lost", ["", "html/index.html", "results/07_captures"])
-def test_what_is_lost_of_a_book_is_made_again(tmp_path, lost):
+def test_what_is_lost_of_a_book_is_made_again(own_folder, lost):
     built = ["stage/a", "html/index.html"]
     for path in ROOT.glob("notebooks/*.py"):
         built = [f"results/{path.stem}/a", f"notebooks/{path.stem}.ipynb", *built]
     for name in built:
-        (tmp_path / name).parent.mkdir(parents=True, exist_ok=True)
-        (tmp_path / name).touch()
+        Path(name).parent.mkdir(parents=True, exist_ok=True)
+        Path(name).touch()
     if lost:
-        (tmp_path / lost).rename(tmp_path / "lost")
-    line = f"-m snakemake -n --nolock --config profile=ci build={tmp_path}"
+        Path(lost).rename("lost")
+    line = f"-m snakemake -n --nolock --config profile=ci build={Path.cwd()}"
     said = subprocess.check_output([sys.executable, *line.split()], cwd=ROOT)
     assert (b"rule book:" in said) == bool(lost)

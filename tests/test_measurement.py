@@ -10,15 +10,17 @@ import xarray as xr
 from contents import external_link, netcdf, netcdf_3, plain_hdf5, virtual_dataset
 from numpy.testing import assert_allclose, assert_array_equal
 from pytest import approx, mark, raises
-from refusals import refused
+from refusals import WRONG, refused
 
 import cmtof
 from cmtof.constants import FREQUENCIES
 from cmtof.correlation import TAU, correlation_from_phase
 from cmtof.measurement import Measurement, unambiguous_range
+from cmtof.simulation import QUADRATURES
 from cmtof.storage import save_dataset
 
-PSI = np.arange(4) * np.pi / 2
+pytestmark = mark.usefixtures("own_folder")
+PSI = np.array(QUADRATURES)
 
 
 def stack():
@@ -45,14 +47,14 @@ def with_sample(value):
     return values
 
 
-def test_arrays_come_back_from_the_file(tmp_path, rng):
+def test_arrays_come_back_from_the_file(rng):
     depth = rng.uniform(1, 2, (5, 6))
     mask = depth > 1.2
     written = made(
         depth=depth, mask=mask, camera=[10.0, 11.0, 3.0, 2.5], range_max=3.0, note="hi"
     )
-    written.save(tmp_path / "m.nc")
-    read = cmtof.open(tmp_path / "m.nc")
+    written.save("m.nc")
+    read = cmtof.open("m.nc")
     xr.testing.assert_equal(read.dataset, written.dataset)
     assert read.dataset.attrs["note"] == "hi"
     assert read.range == (0.0, 3.0)
@@ -61,15 +63,10 @@ def test_arrays_come_back_from_the_file(tmp_path, rng):
     assert "7.15, 14.32 GHz" in repr(read)
 
 
-def test_npz_of_the_same_names_opens(tmp_path):
-    np.savez(
-        tmp_path / "m.npz",
-        correlation=stack(),
-        psi=PSI,
-        frequency=FREQUENCIES,
-        range_max=2.0,
-    )
-    assert cmtof.open(tmp_path / "m.npz").range == (0.0, 2.0)
+def test_npz_of_the_same_names_opens():
+    arrays = {"correlation": stack(), "psi": PSI, "frequency": FREQUENCIES}
+    np.savez("m.npz", **arrays, range_max=2.0)
+    assert cmtof.open("m.npz").range == (0.0, 2.0)
 
 
 def test_default_range_ends_where_the_phases_repeat():
@@ -111,13 +108,13 @@ def test_a_masked_array_of_images_masks_its_pixels():
 
 
 @mark.parametrize("fill", [0, 1])
-def test_a_mask_with_a_fill_value_survives_its_file(tmp_path, fill):
+def test_a_mask_with_a_fill_value_survives_its_file(fill):
     dataset = changed(
         mask=(("y", "x"), np.where(LEFT_OUT, fill, 1 - fill).astype(np.int8))
     )
     dataset["mask"].encoding["_FillValue"] = np.int8(fill)
-    dataset.to_netcdf(tmp_path / "m.nc", engine="h5netcdf")
-    assert_array_equal(cmtof.open(tmp_path / "m.nc").mask, ~LEFT_OUT & (fill == 0))
+    dataset.to_netcdf("m.nc", engine="h5netcdf")
+    assert_array_equal(cmtof.open("m.nc").mask, ~LEFT_OUT & (fill == 0))
 
 
 @mark.parametrize(
@@ -145,10 +142,10 @@ def psi_undeclared(dataset):
 
 
 @mark.parametrize("write", [netcdf_3, psi_undeclared, plain_hdf5])
-def test_files_of_other_writers_open(tmp_path, write):
+def test_files_of_other_writers_open(write):
     whole = made(mask=~LEFT_OUT)
-    (tmp_path / "m.nc").write_bytes(write(whole.dataset))
-    found = cmtof.open(tmp_path / "m.nc")
+    Path("m.nc").write_bytes(write(whole.dataset))
+    found = cmtof.open("m.nc")
     assert_array_equal(found.phase, whole.phase)
     assert_array_equal(found.mask, whole.mask)
     assert found.range == whole.range
@@ -164,9 +161,9 @@ def test_files_of_other_writers_open(tmp_path, write):
         ([1, "x"], '[1, "x"]'),
     ],
 )
-def test_anything_else_is_kept_as_an_attribute(tmp_path, value, kept):
-    made(note=value).save(tmp_path / "m.nc")
-    assert cmtof.open(tmp_path / "m.nc").dataset.attrs["note"] == kept
+def test_anything_else_is_kept_as_an_attribute(value, kept):
+    made(note=value).save("m.nc")
+    assert cmtof.open("m.nc").dataset.attrs["note"] == kept
 
 
 def external_storage(file, other):
@@ -174,12 +171,12 @@ def external_storage(file, other):
 
 
 @mark.parametrize("reach", [external_link, external_storage, virtual_dataset])
-def test_a_file_cannot_reach_into_another(tmp_path, reach):
-    made().save(tmp_path / "m.nc")
-    with h5py.File(tmp_path / "m.nc", "r+") as file:
+def test_a_file_cannot_reach_into_another(reach):
+    made().save("m.nc")
+    with h5py.File("m.nc", "r+") as file:
         reach(file, "other.nc")
     with refused("another file"):
-        cmtof.open(tmp_path / "m.nc")
+        cmtof.open("m.nc")
 
 
 # --- what is wrong is said -----------------------------------------------------------------------
@@ -192,19 +189,9 @@ def test_a_file_cannot_reach_into_another(tmp_path, reach):
         ({"correlation": with_sample(np.inf)}, "finite correlation"),
         ({"correlation": with_sample(9.97e36)}, "correlation, got 1 others"),
         ({"correlation": stack().astype("datetime64[s]")}, "numbers as correlation"),
-        ({"frequencies": (np.nan, 14.32e9)}, "frequencies"),
-        ({"frequencies": (14.32e9, 7.15e9)}, "rising order"),
-        ({"frequencies": (7.15, 14.32)}, "State them in Hz"),
-        ({"frequencies": (7.15e9, 1e15)}, "up to 1e[+]12 Hz"),
         ({"frequencies": (7.15e9, 10**400)}, "numbers as frequencies"),
-        ({"frequencies": (7.15e9, 7.15e9 + 1)}, "at most 10000 wraps"),
-        ({"psi": [0.0, 1.0, 2.0]}, "correlation"),
-        ({"psi": [0.0, 1.0, 2.0, 2.0]}, "duplicates"),
         ({"depth": np.ones((2, 2))}, "one image size"),
-        ({"saturation": 1300.0}, "below the saturation 1300"),
-        ({"range_min": 2.0, "range_max": 1.0}, "range_min < range_max"),
-        ({"range_max": "far"}, "range_min < range_max"),
-        ({"range_max": 1e6}, "at most 10000 wraps"),
+        *WRONG["measurements"],
     ],
 )
 def test_impossible_arrays_are_refused(arrays, message):
@@ -248,36 +235,33 @@ def test_misshapen_datasets_are_refused(change, message):
         Measurement(change(changed()))
 
 
-def test_a_header_that_claims_too_much_is_refused_before_it_is_read(tmp_path):
-    huge = h5netcdf.File(tmp_path / "huge.nc", "w")
+def test_a_header_that_claims_too_much_is_refused_before_it_is_read():
+    huge = h5netcdf.File("huge.nc", "w")
     huge.dimensions = {"y": 10**6, "x": 10**6}
     huge.create_variable("depth", ("y", "x"), "f8", chunks=(1000, 1000))
     huge.close()
     with refused("its header claims 8e[+]12 bytes"):
-        cmtof.open(tmp_path / "huge.nc")
+        cmtof.open("huge.nc")
 
 
-def test_missing_and_misnamed_files(tmp_path):
+def test_files_that_are_no_measurement_are_refused(tilted_wall):
     with refused("got no file at", FileNotFoundError):
-        cmtof.open(tmp_path / "none.nc")
-    (tmp_path / "a.txt").write_text("x")
+        cmtof.open("none.nc")
+    Path("a.txt").touch()
     with refused(r"named \*.nc"):
-        cmtof.open(tmp_path / "a.txt")
-
-
-def test_a_frame_is_told_from_a_measurement(tmp_path, tilted_wall):
-    tilted_wall.save(tmp_path / "frame.npz")
+        cmtof.open("a.txt")
+    tilted_wall.save("frame.npz")
     with refused("cmtof simulate"):
-        cmtof.open(tmp_path / "frame.npz")
+        cmtof.open("frame.npz")
 
 
-def test_nothing_half_written_is_left(tmp_path):
+def test_nothing_half_written_is_left():
     broken = changed(bad=("x", np.array([object()] * 6)))
     with refused(r"named \*.nc"):
-        save_dataset(broken, tmp_path / "m.h5")
+        save_dataset(broken, "m.h5")
     with raises(Exception):  # noqa: B017 - whatever the writer raises
-        save_dataset(broken, tmp_path / "m.nc")
-    assert not list(tmp_path.iterdir())
+        save_dataset(broken, "m.nc")
+    assert not [*Path().iterdir()]
 
 
 def with_stray_light(scene, psi):

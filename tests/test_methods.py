@@ -5,13 +5,12 @@ from dataclasses import replace
 import numpy as np
 from numpy.testing import assert_array_equal
 from pytest import fixture, mark, skip, warns
-from refusals import refused
-from scores import scores
+from refusals import WRONG, refused
+from scores import images, scores
 
 import cmtof
 from cmtof.correlation import wrap_length
-from cmtof.evaluation import measure_frame as measured_for
-from cmtof.evaluation import scored_pixels
+from cmtof.evaluation import measure_frame, scored_pixels
 from cmtof.frame import Frame
 from cmtof.measurement import Measurement
 from cmtof.methods import METHODS, find_method, names_of
@@ -19,7 +18,6 @@ from cmtof_rooms.rendering import Settings, render_views
 
 NAMES = sorted(name for name, method in METHODS.items() if method.kind != "learned")
 TWO = [name for name in NAMES if METHODS[name].frequencies == 2]
-IMAGES = ("wrap_count", "depth", "confidence")
 
 
 def wall(height, width, light=0.8):
@@ -31,12 +29,7 @@ def wall(height, width, light=0.8):
 
 
 def given_to(name, frame, **conditions):
-    return measured_for(frame, [name], seed=3, **conditions)[name]
-
-
-def images(measurement, name, **options):
-    result = cmtof.unwrap(measurement, method=name, **options)
-    return [result[image].to_numpy() for image in IMAGES]
+    return measure_frame(frame, [name], seed=3, **conditions)[name]
 
 
 @mark.parametrize(
@@ -58,13 +51,15 @@ def test_results_obey_range_and_mask_and_repeat(name, shape, light, hidden):
     mask = m.mask & (np.indices(shape)[0] >= hidden)
     dark = m.dataset["correlation"].where(mask)
     m = Measurement(m.dataset.assign(correlation=dark, mask=(("y", "x"), mask)))
-    count, depth, confidence = images(m, name, range=(low, high))
+    count, depth, confidence = images(m, method=name, range=(low, high))
     assert (count[~mask] == -1).all()
     assert (count[mask] >= int(low / wrap_length(7.15e9))).all()
     assert np.isnan(depth[~mask]).all()
     assert ((depth[mask] >= low - 1e-6) & (depth[mask] < high + 1e-6)).all()
     assert ((confidence >= 0) & (confidence <= mask)).all()
-    assert_array_equal([count, depth, confidence], images(m, name, range=(low, high)))
+    assert_array_equal(
+        [count, depth, confidence], images(m, method=name, range=(low, high))
+    )
 
 
 @mark.parametrize("name", sorted({*TWO} - {"phasor", "crt-closed-form"}))
@@ -88,20 +83,7 @@ def test_the_truth_is_asked_for_where_a_method_knows_it(measured, name):
         cmtof.unwrap(blind, method=name)
 
 
-@mark.parametrize(
-    ("options", "message"),
-    [
-        ({"method": "magic"}, "Expected a method out of crt, crt-closed-form"),
-        ({"range": (5.0, 6.0)}, "that meets the data's"),
-        ({"range": (-1.0, 0.9)}, "MIN < MAX"),
-        ({"method": "phasor"}, "two close frequencies whose beat covers"),
-        ({"method": "kde", "radius": -3}, "a radius of 1 to 999 px"),
-        ({"method": "kde", "kernel": 0}, "a kernel of 0 to 100 wraps"),
-        ({"method": "kde", "kernel": float("nan")}, "a kernel of 0 to 100 wraps"),
-        ({"without": ["bend"]}, "steps out of .*bent"),
-        ({"method": "beat", "window": 4}, "odd window"),
-    ],
-)
+@mark.parametrize(("options", "message"), WRONG["methods"])
 def test_impossible_requests_are_refused_in_one_line(measured, options, message):
     with refused(message):
         cmtof.unwrap(measured, **options)
@@ -167,8 +149,8 @@ def test_without_noise_the_remainder_is_sure(kept, protocol):
         low, high = m.range
         m = Measurement.from_phase(m.phase, m.frequencies, mask=m.mask, range_min=low,
                                    range_max=high)  # fmt: skip
-    sure = images(m, "crt")[-1] > 0.5
-    assert sure[m.mask].mean() > 0.99
+    *_, confidence = images(m, method="crt")
+    assert (confidence > 0.5)[m.mask].mean() > 0.99
 
 
 @fixture(scope="module")

@@ -7,7 +7,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 from numpy.testing import assert_allclose
 from pytest import approx, mark
-from refusals import refused
+from refusals import WRONG, refused
 from scipy.special import jv
 
 from cmtof import jones
@@ -119,14 +119,7 @@ def test_delay_scales_the_drive_and_shifts_the_waveform(distance, mode):
     assert_allclose(delayed.waveform(THETA), shifted, atol=1e-12)
 
 
-@mark.parametrize(
-    ("wrong", "message"),
-    [
-        ({"output": "up"}, "Expected output in"),
-        ({"input_axis": "left"}, "Expected input_axis in"),
-        ({"frequency": np.nan}, "frequency above 0 Hz"),
-    ],
-)
+@mark.parametrize(("wrong", "message"), WRONG["modulators"])
 def test_impossible_modulators_are_refused(wrong, message):
     with refused(message):
         replace(SINGLE, **wrong)

@@ -3,17 +3,15 @@
 import numpy as np
 from numpy.testing import assert_allclose, assert_array_equal, assert_array_less
 from pytest import approx, mark
-from refusals import refused
+from refusals import WRONG, refused
 
 from cmtof.constants import FREQUENCIES
 from cmtof.correlation import phase_from_depth, wrap_count_from_depth
 from cmtof.frame import Frame
-from cmtof.simulation import simulate
+from cmtof.simulation import QUADRATURES, simulate
 
 
-@mark.parametrize(
-    "psi", [np.arange(4) * np.pi / 2, [0.0, 2.0, 4.0], [0.1, 2.0, 3.3, 5.5, 1.0]]
-)
+@mark.parametrize("psi", [QUADRATURES, [0.0, 2.0, 4.0], [0.1, 2.0, 3.3, 5.5, 1.0]])
 def test_noise_free_correlations_are_equation_8(tilted_wall, psi):
     m = simulate(tilted_wall, noise_free=True, psi=psi)
     true = [phase_from_depth(tilted_wall.depth.astype(float), f) for f in FREQUENCIES]
@@ -68,15 +66,7 @@ def test_full_protocol_scales_nothing_and_masks_beyond_the_beat():
     assert_allclose(m.amplitude[0], [[6366.2] * 4 + [0.0]], rtol=1e-5)
 
 
-@mark.parametrize(
-    ("changes", "message"),
-    [
-        ({"protocol": "fast"}, "protocol 'released' or 'full'"),
-        ({"order": "papr"}, "order 'paper' or 'released', got 'papr'"),
-        ({"frequencies": (0.0, 7e9)}, "rising order"),
-        ({"noise": -1.0}, "sigma >= 0"),
-    ],
-)
+@mark.parametrize(("changes", "message"), WRONG["conditions"])
 def test_impossible_conditions_are_refused(tilted_wall, changes, message):
     with refused(message):
         simulate(tilted_wall, **changes)

@@ -1,6 +1,5 @@
 """What the package declares and what acts in its name: imports, extras, lock and workflows."""
 
-import ast
 import re
 import sys
 import tomllib
@@ -28,6 +27,8 @@ PACKAGES = {
 BACKENDS = {"pyusb", "pyvisa-py"}
 """Requirements that are found by their name and never imported."""
 DISTRIBUTIONS = packages_distributions()
+# the package that a line imports, or imports from
+IMPORT = r"(?m)^ *(?:import|from(?=.* import)) (\w+)"
 WORKFLOWS = sorted((ROOT / ".github/workflows").glob("*.yml"))
 
 
@@ -50,20 +51,9 @@ def imports(folder):
     own = {path.name for path in (ROOT / "src").iterdir()}
     found = {}
     for path in (ROOT / folder).rglob("*.py"):
-        for node in ast.walk(ast.parse(path.read_text("utf-8"))):
-            names = (
-                [alias.name for alias in node.names]
-                if isinstance(node, ast.Import)
-                else []
-            )
-            if isinstance(node, ast.ImportFrom) and node.module:
-                names = [node.module]
-            found |= {name.partition(".")[0]: path for name in names}
-    return {
-        name: path
-        for name, path in found.items()
-        if name not in sys.stdlib_module_names | own
-    }
+        names = re.findall(IMPORT, path.read_text("utf-8"))
+        found |= dict.fromkeys({*names} - sys.stdlib_module_names - own, path)
+    return found
 
 
 def providers(module):

@@ -3,6 +3,7 @@
 import os
 import subprocess
 import sys
+from pathlib import Path
 
 import h5py
 import numpy as np
@@ -14,10 +15,9 @@ COMMAND = [sys.executable, "-m", "cmtof.cli", *UNWRAP.split()]
 
 
 @fixture(autouse=True)
-def stored(tmp_path, measurement_file, monkeypatch):
+def stored(own_folder, measurement_file):
     """A measurement in the test's folder."""
-    monkeypatch.chdir(tmp_path)
-    (tmp_path / NAME).write_bytes(measurement_file.read_bytes())
+    Path(NAME).write_bytes(measurement_file.read_bytes())
 
 
 @mark.parametrize("encoding", ["cp1252", "ascii", "utf-8"])
@@ -29,19 +29,18 @@ def test_tables_print_in_any_encoding(encoding):
 
 
 @mark.parametrize("closed", ["2>&-", ">&-", ">&- 2>&-"])
-def test_closed_streams_change_no_exit_code(tmp_path, closed):
+def test_closed_streams_change_no_exit_code(closed):
     command = ["bash", "-c", f'exec "$@" {closed}', "bash", *COMMAND]
     assert subprocess.run(command, stdin=subprocess.DEVNULL).returncode == 0
-    assert (tmp_path / "out.nc").is_file()
+    assert Path("out.nc").is_file()
 
 
 def test_names_are_printed_as_they_are(succeeds):
     assert NAME in succeeds(UNWRAP)
 
 
-def test_a_circle_of_links_is_no_defect(fails, tmp_path):
-    loop = tmp_path / "loop.nc"
-    loop.symlink_to(loop)
+def test_a_circle_of_links_is_no_defect(fails):
+    Path("loop.nc").symlink_to("loop.nc")
     assert "got no file at" in fails("unwrap loop.nc -o out.nc")
 
 

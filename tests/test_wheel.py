@@ -18,6 +18,7 @@ from typing import NamedTuple
 
 from packaging.requirements import Requirement
 from pytest import fixture, mark, param, skip
+from refusals import WRONG
 
 from cmtof.methods import METHODS
 from cmtof_book import ROOT
@@ -183,15 +184,7 @@ def test_bare_the_simulated_instrument_scans(bare):
     bare.cmtof("info scan.nc")
 
 
-@mark.parametrize(
-    ("extra", "words"),
-    [
-        ("rooms", "render --scenes 1 --views 1 -o rooms"),
-        ("train", "train miniature -o run"),
-        ("networks", "unwrap wall.nc -o n.nc --method fast-scnn"),
-        ("hardware", "scan rig.yml -o s.nc"),
-    ],
-)
+@mark.parametrize(("extra", "words"), WRONG["extras"].items())
 def test_bare_a_command_names_the_extra_that_it_needs(bare, extra, words):
     (line,) = bare.cmtof(words, code=1).stderr.splitlines()
     assert f"pip install 'cmtof[{extra}]'" in line

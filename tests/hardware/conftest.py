@@ -7,7 +7,7 @@ from wire import RIG, WALL, World
 
 
 @fixture
-def world_of(monkeypatch):
+def world_of(monkeypatch, own_folder):
     """Maker of the peers of a rig before a scene; what the host waits for passes on their clock."""
     made = []
 

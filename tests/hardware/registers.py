@@ -8,19 +8,20 @@ from cmtof.files import read_document
 
 
 def listed():
-    """Address and entry of every register by its name, from the maker's list."""
+    """Address, kind and entry of every register by its name, from the maker's list."""
     found = {}
     for one in read_document(HERE / "registers.yml")["registers"]:
         for n in range(one.get("count", 1)):
             address = one["address"] + n * struct.calcsize(WORDS[one["type"]]) // 2
-            found[re.sub(r"#\(.*?\)", str(n), one["name"])] = address, one
+            kind = WORDS[one.get("holds", one["type"])]
+            found[re.sub(r"#\(.*?\)", str(n), one["name"])] = address, kind, one
     return found
 
 
 HERE = Path(__file__).parent
 WORDS = {"UINT16": ">H", "UINT32": ">I", "FLOAT32": ">f"}
 LISTED = listed()
-ACCESS = {address: one["access"] for address, one in LISTED.values()}
+ACCESS = {address: one["access"] for address, _, one in LISTED.values()}
 
 
 def feedback(sent, received=""):
@@ -30,8 +31,7 @@ def feedback(sent, received=""):
     values = iter(str(received).split())
     for part in sent.split():
         name, _, value = part.rstrip("?").partition("=")
-        address, one = LISTED[name]
-        kind = WORDS[one.get("holds", one["type"])]
+        address, kind, one = LISTED[name]
         words = one.get("words", struct.calcsize(kind) // 2)
         frame += struct.pack(">BHB", bool(value), address, words)
         number = float if kind == ">f" else int

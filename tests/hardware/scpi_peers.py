@@ -1,61 +1,32 @@
-"""Models of the SCPI instruments, each on a simulated one."""
+"""Peers of the SCPI instruments: devices of pyvisa-sim, each before a simulated one."""
+
+from functools import partial
+from pathlib import Path
+
+from pyvisa_sim.parser import get_devices
+
+VISA = Path(__file__).with_name("visa")
 
 
 class Scpi:
-    """A device of text commands: what is set is kept, and told when it is asked for."""
+    """A device of pyvisa-sim that has the outputs or the power of a simulated one."""
 
-    model = ""
-    settings = ()
-
-    def __init__(self, device, clock=None):
+    def __init__(self, file, device, clock=None):
         self.device = device
-        self.kept = dict(self.settings)
+        found = get_devices(VISA / file, bundled=False)
+        (resource,) = found.list_resources()
+        self._talker = found[resource]
 
     def __call__(self, line):
-        head, _, value = line.decode().strip().partition(" ")
-        if value:
-            self.obey(head, value)
-        answer = self.answer(head[:-1]) if head.endswith("?") else ""
-        return f"{answer}\n".encode() if answer else b""
-
-    def answer(self, head):
-        return f"MAKER,{self.model},1,2" if head == "*IDN" else self.kept.get(head, "")
-
-    def obey(self, head, value):
-        self.kept[head] = value
-
-
-class Generator(Scpi):
-    """An SDG2042X."""
-
-    model = "SDG2042X"
-    settings = (("*OPC", "1"), ("MODE", "PHASE-LOCKED"))
-
-    def answer(self, head):
-        if head.endswith("OUTP"):
-            state = "ON" if self.device.output_is_on(int(head[1])) else "OFF"
-            return f"{head} {state},LOAD,50,PLRT,NOR"
-        if ":" in head:
-            return f"{head} {self.kept.get(head, 'STATE,OFF')}"
-        return super().answer(head)
-
-    def obey(self, head, value):
+        request = line.strip()
+        head, _, value = request.decode().partition(" ")
+        if head == "MEAS:POW?":
+            return f"{self.device.power!r}\n".encode()
         if value in ("ON", "OFF"):
             self.device.output(int(head[1]), value == "ON")
-        super().obey(head, value)
+        self._talker.write(request + b"\n")
+        return b"".join(iter(lambda: self._talker.read()[0], b""))
 
 
-class Meter(Scpi):
-    """A PM100D that was left in dBm."""
-
-    model = "PM100D"
-    settings = (
-        ("SENS:POW:UNIT", "DBM"),
-        ("SENS:CORR:COLL:ZERO:STAT", "0"),
-        ("SYST:SENS:IDN", '"S140C","1","01-JAN-2026",1,1,33'),
-    )
-
-    def answer(self, head):
-        if head != "MEAS:POW":
-            return super().answer(head)
-        return repr(self.device.power if self.kept["SENS:POW:UNIT"] == "W" else -30.0)
+Generator = partial(Scpi, "sdg2042x.yaml")
+Meter = partial(Scpi, "pm100d.yaml")

@@ -54,16 +54,13 @@ CHAPTERS = {  # what is measured, sizes, and the rig and what it stands before
 
 
 @mark.parametrize("chapter", CHAPTERS)
-def test_a_chapter_measures_on_a_rig_what_it_simulates(
-    world_of, tmp_path, monkeypatch, chapter
-):
-    monkeypatch.chdir(tmp_path)
+def test_a_chapter_measures_on_a_rig_what_it_simulates(world_of, chapter):
     name, sizes, before = CHAPTERS[chapter]
     world = world_of(**{"rig": DEFAULT} | before)
     world.models["stage"].scale = 1e9  # the simulated stage has no counts
     world.rig = with_device(world.rig, "stage", counts_per_unit=1e9)
-    world.write(tmp_path / "rig.yml")
-    measured = found_in(chapter, name, **sizes, rig=str(tmp_path / "rig.yml"))
+    world.write()
+    measured = found_in(chapter, name, **sizes, rig="rig.yml")
     simulated = found_in(chapter, name, **sizes)
     assert world.dark
     if chapter.startswith("19"):  # the other blocks are those of the first repeat, too
@@ -72,10 +69,9 @@ def test_a_chapter_measures_on_a_rig_what_it_simulates(
         assert_allclose(measured[key], value, atol=1e-8, err_msg=key)
 
 
-def test_the_guides_lines_run_on_a_rig(world_of, tmp_path, monkeypatch, capsys):
-    monkeypatch.chdir(tmp_path)
+def test_the_guides_lines_run_on_a_rig(world_of, capsys):
     world = world_of(**PHOTODIODE)
-    world.write(tmp_path / "rig.yml")
+    world.write()
     asked = []
     seen = {"input": asked.append}
     guide = (ROOT / "book" / "hardware.md").read_text("utf-8")
@@ -87,5 +83,5 @@ def test_the_guides_lines_run_on_a_rig(world_of, tmp_path, monkeypatch, capsys):
     printed = capsys.readouterr().out
     assert "emission: add -0.00 to plate_zero_emission_deg; extinction 100\n" in printed
     assert "resonance at 7.1550 GHz, 20.0 MHz wide\n" in printed
-    assert open_dataset(tmp_path / "sweep_rf.nc")["volts"].shape == (21, 2)
+    assert open_dataset("sweep_rf.nc")["volts"].shape == (21, 2)
     assert world.dark

@@ -9,30 +9,25 @@ from unittest.mock import Mock, call
 
 import numpy as np
 import serial
-from pytest import approx, fixture, mark
-from refusals import refused
+from pytest import approx, mark
+from refusals import WRONG, refused
 from wire import with_device
 
-from cmtof.files import read_document
 from cmtof.hardware.connect import connected_driver
 from cmtof.hardware.device import ConnectionLost, Unsafe, one_error
 from cmtof.hardware.plan import plan_scan
 from cmtof.hardware.rig import DRIVERS, Rig
 from cmtof_lab.rehearsal import simulated_bench
 
+pytestmark = mark.usefixtures("own_folder")
 RIG = Rig.default()
-WRONG = read_document(Path(__file__).with_name("wrong.yml"))
+PATH = Path("rig.yml")
 
 
 def test_the_default_rig_holds_every_device_of_section_7():
     assert set(RIG.devices) == set(DRIVERS)
     assert RIG.scans / RIG.rate == approx(13.3e-3, rel=5e-3)
     assert "address" not in RIG.as_dict()["devices"]["daq"]
-
-
-@fixture
-def path(tmp_path):
-    return tmp_path / "rig.yml"
 
 
 def with_devices(text):
@@ -42,19 +37,19 @@ def with_devices(text):
 
 
 @mark.parametrize(("text", "words"), WRONG["rigs"])
-def test_a_file_that_cannot_be_is_one_line(path, text, words):
-    path.write_text(with_devices(text))
+def test_a_file_that_cannot_be_is_one_line(text, words):
+    PATH.write_text(with_devices(text))
     with refused(re.escape(words), (ValueError, OSError)):
-        Rig.load(path)
+        Rig.load(PATH)
 
 
-def test_a_bench_record_moves_lines_and_turns_mirrors(path):
+def test_a_bench_record_moves_lines_and_turns_mirrors():
     """It lies beside the rig, whose own keys come first, and is part of the measurement."""
     record = "lines: {laser: FIO6, beam_block: FIO0}\nmirrors: [TDAC3, TDAC2]\npower_dbm: 20\n"
     record += "mirror_volts_per_degree: [-0.8, 0.5]\nmirror_offset_volts: [0.1, 0]\n"
-    path.with_name("bench.yml").write_text(record)
-    path.write_text(with_devices("bench: bench.yml\npower_dbm: 25\n"))
-    rig = Rig.load(path)
+    Path("bench.yml").write_text(record)
+    PATH.write_text(with_devices("bench: bench.yml\npower_dbm: 25\n"))
+    rig = Rig.load(PATH)
     bench = simulated_bench(rig)
     written = []
     bench.daq.write_many = written.append
@@ -74,15 +69,7 @@ def test_a_view_beyond_the_mirrors_is_refused():
         plan_scan(steep, size=8)
 
 
-@mark.parametrize(
-    ("role", "address"),
-    [
-        ("rf_emission", "/no/port"),
-        ("daq", "127.0.0.1:9"),
-        ("clock", "TCPIP::127.0.0.1::9::SOCKET"),
-        ("power_meter", "nonsense"),
-    ],
-)
+@mark.parametrize(("role", "address"), WRONG["addresses"].items())
 def test_nothing_at_an_address_is_one_line(role, address):
     with refused("Expected .*Check", ConnectionLost):
         connected_driver(with_device(RIG, role, address=address), role).identify()

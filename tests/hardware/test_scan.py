@@ -10,12 +10,12 @@ from unittest.mock import DEFAULT, Mock, call
 import numpy as np
 from numpy.testing import assert_allclose, assert_array_equal
 from pytest import approx, fixture, mark, raises
-from refusals import refused
+from refusals import WRONG, refused
 from wire import WALL
 
 import cmtof
 from cmtof.correlation import centred, phase_from_depth
-from cmtof.files import exclusive_lock, read_document
+from cmtof.files import exclusive_lock
 from cmtof.hardware.device import BadReply, InstrumentTimeout, Unsafe
 from cmtof.hardware.journal import journal_path, whole_lines
 from cmtof.hardware.plan import mirror_settling, plan_scan
@@ -27,13 +27,16 @@ from cmtof_lab.rehearsal import scan_scene, simulated_bench
 from cmtof_lab.settings import TwinSettings
 from cmtof_lab.targets import MIRROR, Plane
 
-WRONG = read_document(Path(__file__).with_name("wrong.yml"))
 RIG = replace(Rig.default(), phases=4, samples_per_phase=14)
 PLAN = plan_scan(RIG, size=4)
+pytestmark = mark.usefixtures("own_folder")
+OUTPUT = Path("m.nc")
+JOURNAL = journal_path(OUTPUT)
 DARK = TwinSettings.ideal(reference=Plane(0.6, reflectance=0.0), ambient_radiance=0.1)
+STOP = Mock(side_effect=KeyboardInterrupt)  # a report
 
 
-def take(output, rig=RIG, prepare=lambda bench: None, twin=None, **options):
+def take(output=OUTPUT, rig=RIG, prepare=lambda bench: None, twin=None, **options):
     """Scan the wall, which ends in the safe state; ``prepare`` sees the bench before."""
     bench = simulated_bench(rig, WALL, twin, seed=4)
     panel = bench.daq.panel
@@ -46,19 +49,9 @@ def take(output, rig=RIG, prepare=lambda bench: None, twin=None, **options):
         assert panel.galvo_volts == [0.0, 0.0]
 
 
-def stop(line):
-    """A report that stops a scan."""
-    raise KeyboardInterrupt
-
-
-def recorded(output):
+def recorded():
     """Lines in the journal of a scan, its header included."""
-    return len(whole_lines(journal_path(output)))
-
-
-@fixture
-def output(tmp_path):
-    return tmp_path / "m.nc"
+    return len(whole_lines(JOURNAL))
 
 
 @fixture(scope="module")
@@ -70,7 +63,7 @@ def whole(tmp_path_factory):
 
 
 def test_phases_are_those_of_the_true_ranges():
-    settings = replace(TwinSettings.ideal(), noise=True)
+    settings = TwinSettings.ideal(noise=True)
     seen = scan_scene(settings, WALL, size=6, field_of_view=0.3, seed=1)
     truth = seen.dataset["depth"].to_numpy()
     expected = [phase_from_depth(truth, frequency) for frequency in seen.frequencies]
@@ -92,12 +85,10 @@ def test_a_file_holds_raw_counts_power_and_settings(whole):
     assert not journal_path(whole).exists()
 
 
-def test_a_target_among_the_scene_calibrates_as_one_behind_the_flip_mirror(
-    output, whole
-):
+def test_a_target_among_the_scene_calibrates_as_one_behind_the_flip_mirror(whole):
     aside = {"flip_mirror": "photodiode", "reference_direction_deg": (-6.0, 2.0)}
-    take(output, rig=replace(RIG, **aside))
-    found, wanted = (open_measurement(one).dataset for one in (output, whole))
+    take(rig=replace(RIG, **aside))
+    found, wanted = (open_measurement(one).dataset for one in (OUTPUT, whole))
     for name in ("raw_counts", "psi"):
         assert_array_equal(found[name], wanted[name])
 
@@ -106,63 +97,62 @@ def test_a_target_among_the_scene_calibrates_as_one_behind_the_flip_mirror(
 
 
 @mark.parametrize("last", [5, len(PLAN.lines) - 1])
-def test_stopped_and_resumed_gives_equal_bytes(output, whole, last):
+def test_stopped_and_resumed_gives_equal_bytes(whole, last):
     def report(line):
         if line.index == last:
             raise KeyboardInterrupt
 
     with raises(KeyboardInterrupt):
-        take(output, report=report)
-    assert recorded(output) == last + 2
-    take(output, resume=True)
-    assert output.read_bytes() == whole.read_bytes()
+        take(report=report)
+    assert recorded() == last + 2
+    take(resume=True)
+    assert OUTPUT.read_bytes() == whole.read_bytes()
 
 
 @fixture
-def stopped(output):
-    """Output of a scan that was stopped after its first line."""
+def stopped(own_folder):
+    """A scan that was stopped after its first line."""
     with raises(KeyboardInterrupt):
-        take(output, report=stop)
-    return output
+        take(report=STOP)
 
 
 @mark.parametrize("kept", [0, 1, -9, -1])
 def test_a_torn_line_is_measured_again(stopped, whole, kept):
-    *others, last = journal_path(stopped).read_bytes().splitlines(keepends=True)
-    journal_path(stopped).write_bytes(b"".join(others) + last[:kept])
+    *others, last = JOURNAL.read_bytes().splitlines(keepends=True)
+    JOURNAL.write_bytes(b"".join(others) + last[:kept])
     with raises(KeyboardInterrupt):
-        take(stopped, report=stop, resume=True)
-    assert recorded(stopped) == 2
-    take(stopped, resume=True)
-    assert stopped.read_bytes() == whole.read_bytes()
+        take(report=STOP, resume=True)
+    assert recorded() == 2
+    take(resume=True)
+    assert OUTPUT.read_bytes() == whole.read_bytes()
 
 
 def test_a_scan_begun_is_not_overwritten_nor_gone_on_with_otherwise(stopped):
-    before = journal_path(stopped).read_bytes()
+    before = JOURNAL.read_bytes()
     with refused("Expected no unfinished scan, got 1 lines"):
-        take(stopped)
+        take()
     with refused("got another phases, 4"):
-        take(stopped, rig=replace(RIG, phases=8), resume=True)
+        take(rig=replace(RIG, phases=8), resume=True)
     with (
-        exclusive_lock(journal_path(stopped)),
+        exclusive_lock(JOURNAL),
         refused("to be free, got a process that is writing it"),
     ):
-        take(stopped, resume=True)
-    assert journal_path(stopped).read_bytes() == before
-    take(stopped, resume=True)
+        take(resume=True)
+    assert JOURNAL.read_bytes() == before
+    take(resume=True)
 
 
-def test_a_whole_scan_needs_no_journal_to_be_resumed(output, whole):
-    output.write_bytes(whole.read_bytes())
-    take(output, resume=True)
+def test_a_whole_scan_needs_no_journal_to_be_resumed(whole):
+    OUTPUT.write_bytes(whole.read_bytes())
+    take(resume=True)
     with refused(r"got another power_dbm, 30\.0\. Scan with its settings"):
-        take(output, rig=replace(RIG, power_dbm=29.0), resume=True)
+        take(rig=replace(RIG, power_dbm=29.0), resume=True)
 
 
-def test_a_foreign_measurement_is_not_a_finished_scan(output):
-    cmtof.simulate(cmtof.load_frame("still_life")).save(output)
+def test_a_foreign_measurement_is_not_a_finished_scan():
+    cmtof.simulate(cmtof.load_frame("still_life")).save(OUTPUT)
     with refused("to be of these settings, got another"):
-        take(output, resume=True)
+        take(resume=True)
 
 
 # --- faults --------------------------------------------------------------------------------------
@@ -200,28 +190,24 @@ def miss_edges(bench, times):
 @mark.parametrize(
     ("lose", "error"), [(lose_samples, InstrumentTimeout), (miss_edges, BadReply)]
 )
-def test_bursts_with_lost_samples_or_edges_are_taken_three_times(
-    tmp_path, whole, lose, error
-):
-    take(tmp_path / "m.nc", prepare=partial(lose, times=2))
-    assert (tmp_path / "m.nc").read_bytes() == whole.read_bytes()
+def test_bursts_with_lost_samples_or_edges_are_taken_three_times(whole, lose, error):
+    take(prepare=partial(lose, times=2))
+    assert OUTPUT.read_bytes() == whole.read_bytes()
     with raises(error):
-        take(tmp_path / "lost.nc", prepare=partial(lose, times=3))
+        take(Path("lost.nc"), prepare=partial(lose, times=3))
 
 
 @mark.parametrize(("stronger", "share"), [(1.5, 1), (1, 1.5)])
 def test_more_light_than_allowed_ends_the_scan_before_the_first_lit_line(
-    output, stronger, share
+    stronger, share
 ):
     twin = TwinSettings(laser_power=stronger * TwinSettings().laser_power)
     with refused("above 0 and up to 4 mW sent out, got", Unsafe):
-        take(
-            output, rig=replace(RIG, emitted_share=share * RIG.emitted_share), twin=twin
-        )
-    assert recorded(output) == 2  # the header and the dark line
+        take(rig=replace(RIG, emitted_share=share * RIG.emitted_share), twin=twin)
+    assert recorded() == 2  # the header and the dark line
 
 
-def test_light_that_grows_ends_the_scan_with_its_line(output):
+def test_light_that_grows_ends_the_scan_with_its_line():
     def prepare(bench):
         instrument = bench.daq.instrument
         usual = instrument.laser_power
@@ -232,13 +218,13 @@ def test_light_that_grows_ends_the_scan_with_its_line(output):
         after_lines(bench, grow)
 
     with refused("above 0 and up to 4 mW sent out, got", Unsafe):
-        take(output, prepare=prepare)
-    assert recorded(output) == 5  # the header and four lines
+        take(prepare=prepare)
+    assert recorded() == 5  # the header and four lines
 
 
-def test_the_mirrors_are_waited_for_as_long_as_their_step_requires(output):
+def test_the_mirrors_are_waited_for_as_long_as_their_step_requires():
     waited = []
-    take(output, prepare=lambda bench: setattr(bench, "wait", waited.append))
+    take(prepare=lambda bench: setattr(bench, "wait", waited.append))
     flybacks = [seconds for seconds in waited if 0 < seconds < 0.05]
     down = mirror_settling(RIG, np.abs(PLAN.angles[0, 0]).max())
     assert flybacks[:2] == [down, approx(3.3e-3, abs=2e-4)]  # 15 degrees
@@ -253,9 +239,7 @@ def watched(device, *names):
     return acts.mock_calls
 
 
-def test_a_scan_begins_in_the_dark_and_arms_its_timers_before_light_and_rf(
-    output, whole
-):
+def test_a_scan_begins_in_the_dark_and_arms_its_timers_before_light_and_rf(whole):
     """Also where a killed scan left light and RF on; RF comes up in steps, in either mode."""
     acts = []
 
@@ -268,7 +252,7 @@ def test_a_scan_begins_in_the_dark_and_arms_its_timers_before_light_and_rf(
             rf.knobs.on = True
             acts.append(watched(rf, "output", "set_dead_man", "set_power"))
 
-    take(output, prepare=prepare)
+    take(prepare=prepare)
     light, *both = acts
     assert light[:3] == [call.set_line(f"FIO{line}", False) for line in (0, 1, 6)]
     assert light.index(call.watchdog(5)) < light.index(call.set_line("FIO0", True))
@@ -277,19 +261,19 @@ def test_a_scan_begins_in_the_dark_and_arms_its_timers_before_light_and_rf(
     for power in (10.0, 20.0, 24.0, 27.0, 30.0):
         ramp += [call.set_power(power), call.output(True, lock_timeout=2.5)]
     assert both == [[off, call.set_dead_man(5.0), *ramp, *ramp]] * 2
-    assert output.read_bytes() == whole.read_bytes()
+    assert OUTPUT.read_bytes() == whole.read_bytes()
 
 
 @mark.parametrize("lost", ["interlock_closed", "clock_on", "on"])
-def test_an_open_interlock_and_a_lost_lock_end_the_scan(output, lost):
+def test_an_open_interlock_and_a_lost_lock_end_the_scan(lost):
     def prepare(bench):
         panel = bench.daq.panel
         holder = panel.emission if lost == "on" else panel
         after_lines(bench, lambda n: setattr(holder, lost, n < 20))
 
     with raises(Unsafe):
-        take(output, prepare=prepare)
-    assert recorded(output) == 21  # the line is not recorded
+        take(prepare=prepare)
+    assert recorded() == 21  # the line is not recorded
 
 
 @mark.parametrize(
@@ -299,27 +283,27 @@ def test_an_open_interlock_and_a_lost_lock_end_the_scan(output, lost):
         (DARK, "reference target with a contrast above 0.001"),
     ],
 )
-def test_a_reference_target_that_cannot_calibrate_ends_the_scan(output, twin, text):
+def test_a_reference_target_that_cannot_calibrate_ends_the_scan(twin, text):
     with refused(text):
-        take(output, twin=twin)
-    assert recorded(output) == 9
+        take(twin=twin)
+    assert recorded() == 9
 
 
-def test_a_generator_that_is_lost_is_noticed_at_the_end_of_the_line(output):
+def test_a_generator_that_is_lost_is_noticed_at_the_end_of_the_line():
     lose = partial(
         failing, role="clock", method="output_is_on", error=InstrumentTimeout, at=13
     )
     with raises(InstrumentTimeout):
-        take(output, prepare=lose)
-    assert recorded(output) == 13  # header and twelve lines
+        take(prepare=lose)
+    assert recorded() == 13  # header and twelve lines
 
 
 # --- command line --------------------------------------------------------------------------------
 
 
 @mark.parametrize(("line", "code", "text"), WRONG["commands"])
-def test_a_wrong_command_is_one_line(tmp_path, run, line, code, text):
+def test_a_wrong_command_is_one_line(run, line, code, text):
     found, _, err = run("scan", line)
     assert found == code
     assert text in err
-    assert not list(tmp_path.iterdir())
+    assert not list(Path().iterdir())

@@ -1,19 +1,25 @@
 """The read-out before a model of the T7, in process and on TCP."""
 
+import io
+import socket
 import struct
 
 import numpy as np
 from peers import T7, Wire, modbus, simulated
+from pymodbus.framer import FramerSocket
+from pymodbus.pdu import DecodePDU
 from pytest import approx, fixture, mark, raises
 from refusals import refused
 from wire import Network, with_device
 
 from cmtof.hardware.connect import connected_driver
 from cmtof.hardware.device import BadReply, ConnectionLost, InstrumentTimeout, Refused
+from cmtof.hardware.modbus import Feedback
 from cmtof.hardware.rig import Rig
 from cmtof.hardware.t7 import LabJackT7
 
 BURST = {"channels": ["AIN0"], "rate": 24000.0, "scans": 320}
+LABEL = [{"USER_RAM0_U32": 1}]
 BURST |= {"pulse_line": "FIO4", "pulse": 20}
 
 
@@ -44,7 +50,7 @@ def test_bursts_carry_mirrors_and_label_in_one_frame_and_inherit_nothing(peer, d
 def test_two_inputs_come_in_turn(peer, daq):
     peer.device.panel.photodiode_lit = True
     daq.configure_burst(**BURST | {"channels": ["AIN2", "AIN3"]})
-    (counts,) = daq.bursts([{"USER_RAM0_U32": 1}])
+    (counts,) = daq.bursts(LABEL)
     assert (peer.get(4102), peer.get(4104)) == (4, 6)  # where the inputs are read
     assert counts.shape == (640,)
     levels = counts.reshape(320, 2).mean(axis=0)
@@ -58,7 +64,7 @@ def test_the_rate_that_the_converter_makes_is_kept_or_refused(peer, daq):
     works = peer.send_burst
     for rate in (23980.8, 23000.0):  # the first in steps of 100 ns
         peer.send_burst = lambda: peer.set(4494, "f", rate) or works()  # noqa: B023
-        bursts = daq.bursts([{"USER_RAM0_U32": 1}])
+        bursts = daq.bursts(LABEL)
         if rate == 23000.0:
             with refused("its rate to 24000, got 23000", Refused):
                 next(bursts)
@@ -81,7 +87,7 @@ def test_a_broken_burst_is_an_error_and_the_next_one_is_whole(
     daq.configure_burst(**BURST)
     peer.fault = fault
     with refused(text, error):
-        list(daq.bursts([{"USER_RAM0_U32": 1}]))
+        list(daq.bursts(LABEL))
     assert peer.get(4990) == 0
     (counts,) = daq.bursts([{"USER_RAM0_U32": 2}])
     assert counts.shape == (320,)
@@ -93,7 +99,7 @@ def test_a_t7_that_does_not_even_stop_is_lost_and_no_burst_is_tried_again(peer):
     daq = LabJackT7(modbus(wire), peer.stream, "daq")
     daq.configure_burst(**BURST)
     with refused("Expected daq to answer, got silence", ConnectionLost):
-        next(daq.bursts([{"USER_RAM0_U32": 1}]))
+        next(daq.bursts(LABEL))
     assert len(wire.sent) == 1
 
 
@@ -129,15 +135,28 @@ def test_an_answer_to_another_request_is_not_taken(network, rig):
     far.close()
 
 
-def test_a_log_has_every_request_and_reply(network, rig, tmp_path):
-    with (tmp_path / "log.txt").open("w") as log:
+def test_a_log_has_every_request_and_reply(network, rig):
+    with io.StringIO() as log:
         driver = connected_driver(with_device(rig, "daq", timeout=0.05), "daq", log)
         driver.line("FIO7")
         network.wire.fail(b"", b"")
         with raises(InstrumentTimeout):
             driver.line("FIO7")
         driver.close()
-    lines = (tmp_path / "log.txt").read_text().splitlines()
+        lines = log.getvalue().splitlines()
     asked = "daq > 00 07 d7 01"
     told = [asked, "daq < 00 01", *[asked, "daq ! timed out"] * 2]
     assert [line.partition(" ")[2] for line in lines] == told
+
+
+def test_frames_are_those_of_modbus_tcp():
+    """By pymodbus, whose framing knows nothing of function 76."""
+    listener = socket.create_server(("127.0.0.1", 0))
+    client = Feedback("{}:{}".format(*listener.getsockname()), timeout=0.05)
+    with raises(TimeoutError):
+        client.ask(b"\x00\xea\x60\x02")
+    with listener, listener.accept()[0] as far_end:
+        used, unit, number, body = FramerSocket(DecodePDU(True)).decode(
+            far_end.recv(100)
+        )
+    assert (used, unit, number, body) == (12, 1, 1, b"\x4c\x00\xea\x60\x02")

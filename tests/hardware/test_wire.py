@@ -5,6 +5,7 @@ import subprocess
 import sys
 from dataclasses import replace
 from functools import partial
+from pathlib import Path
 
 from numpy.testing import assert_array_equal
 from pytest import approx, fixture, mark
@@ -19,19 +20,17 @@ from cmtof_lab.rehearsal import simulated_bench
 
 
 @fixture
-def take(world, tmp_path):
+def take(world):
     """Scan the wall over the wires."""
 
     def taken(**changes):
         rig = replace(world.rig, **changes)
-        return scan(
-            plan_scan(rig, size=2), partial(connected_bench, rig), tmp_path / "m.nc"
-        )
+        return scan(plan_scan(rig, size=2), partial(connected_bench, rig), Path("m.nc"))
 
     return taken
 
 
-def test_counts_are_those_of_the_simulation_with_slow_parts(world, take, tmp_path):
+def test_counts_are_those_of_the_simulation_with_slow_parts(world, take):
     """A flipper of 2.8 s, 10 s for a home and a move with light and RF on, and thin, warm air."""
     air = {"pressure": 83e3, "temperature": 303.15}
     world.models["daq"].flip_time = 2.8
@@ -40,7 +39,7 @@ def test_counts_are_those_of_the_simulation_with_slow_parts(world, take, tmp_pat
     assert world.dark
     bench = partial(simulated_bench, RIG, WALL, seed=4)
     plan = plan_scan(replace(RIG, **air), size=2)
-    wanted = scan(plan, bench, tmp_path / "simulated.nc")
+    wanted = scan(plan, bench, Path("simulated.nc"))
     assert (found.dataset["time"] > TODAY).all()
     usual, thin = (one.dataset.attrs["group_index"] - 1 for one in (wanted, found))
     density = 83e3 / 101325 * 293.15 / 303.15  # of an ideal gas
@@ -49,10 +48,8 @@ def test_counts_are_those_of_the_simulation_with_slow_parts(world, take, tmp_pat
         assert_array_equal(found.dataset[name], wanted.dataset[name])
 
 
-def test_a_check_asks_every_device_and_leaves_its_port_free(
-    world, tmp_path, run, succeeds
-):
-    world.write(tmp_path / "rig.yml")
+def test_a_check_asks_every_device_and_leaves_its_port_free(world, run, succeeds):
+    world.write()
     text = succeeds("scan rig.yml --check")
     assert text.count("not homed") == 3
     assert text.count("RF off") == 2
@@ -153,8 +150,8 @@ def test_a_read_out_whose_power_comes_back_is_dark_once_that_is_saved(world, lit
 WORDS = ["-m", "cmtof.cli", "scan", "rig.yml", "--size", "2", "-o", "m.nc"]
 
 
-def test_a_program_whose_terminal_is_closed_ends_in_the_dark(world, tmp_path):
-    world.write(tmp_path / "rig.yml", flip_mirror_settling=0.0)
+def test_a_program_whose_terminal_is_closed_ends_in_the_dark(world):
+    world.write(flip_mirror_settling=0.0)
     end = world.ends["power_meter"].wire
     works = end.answer
 
@@ -164,7 +161,7 @@ def test_a_program_whose_terminal_is_closed_ends_in_the_dark(world, tmp_path):
         return works(request)
 
     end.answer = answer
-    with subprocess.Popen([sys.executable, *WORDS], cwd=tmp_path, stderr=-1) as scan:
+    with subprocess.Popen([sys.executable, *WORDS], stderr=-1) as scan:
         scan.communicate(timeout=60)
     assert scan.returncode == 128 + signal.SIGHUP
     assert world.dark

@@ -13,6 +13,7 @@ import tty
 from contextlib import suppress
 from dataclasses import asdict, replace
 from functools import partial
+from pathlib import Path
 from types import SimpleNamespace
 
 from peers import T7, Controller, Firmware, Wire
@@ -32,8 +33,8 @@ RIG = replace(DEFAULT, phases=4, samples_per_phase=14, devices=PATIENT)
 
 def with_device(rig, role, **changes):
     """The rig with other settings of a device."""
-    device = replace(rig.devices[role], **changes)
-    return replace(rig, devices=rig.devices | {role: device})
+    changed = {role: replace(rig.devices[role], **changes)}
+    return replace(rig, devices=rig.devices | changed)
 
 
 def line(requests):
@@ -204,10 +205,11 @@ class World:
         """Whether neither light nor RF goes out."""
         return not (self.lit or self.panel.emission.on or self.panel.detection.on)
 
-    def write(self, path, **changes):
-        """Write the rig that leads here into a file."""
+    def write(self, **changes):
+        """Write the rig that leads here into the working folder."""
         devices = {role: asdict(one) for role, one in self.rig.devices.items()}
-        path.write_text(json.dumps(self.rig.as_dict() | {"devices": devices} | changes))
+        held = self.rig.as_dict() | {"devices": devices} | changes
+        Path("rig.yml").write_text(json.dumps(held))
 
     def close(self):
         for end in self.ends.values():

@@ -11,6 +11,8 @@ import numpy as np
 import xarray as xr
 from PIL import Image
 
+from cmtof.simulation import QUADRATURES
+
 
 def npz(**arrays):
     """Content of an ``.npz``."""
@@ -76,7 +78,7 @@ def png(pixels):
 
 def whole_measurement():
     """Measurement of 6 x 8 px."""
-    psi = np.tile(np.arange(4) * np.pi / 2, (2, 1))
+    psi = np.tile(QUADRATURES, (2, 1))
     counts = 9000 + 6000 * np.cos(psi[..., None, None] + np.zeros((2, 4, 6, 8)))
     return xr.Dataset(
         {"correlation": (("frequency", "step", "y", "x"), counts.astype(np.float32))},

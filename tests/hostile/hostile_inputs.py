@@ -243,17 +243,20 @@ def card(rng):
     )
 
 
+RIG = """
+phases: 16
+field_of_view_deg: [9, 9]
+twin: {scene: {kind: plane}}
+rate: 24000.0
+"""
+
+
 def rig(rng):
     """A description of an instrument."""
-    known = yaml.safe_load((ROOT / "src/cmtof/hardware/rig.yml").read_text("utf-8"))
-    known |= {
-        "phases": 16,
-        "field_of_view_deg": [9, 9],
-        "twin": {"scene": {"kind": "plane"}},
-        "rate": 24000.0,
-    }
-    files = {"rig.yml": document(rng, known)}
-    return files, ["scan", "rig.yml", "-o", "out.nc", "--size", "2"]
+    devices = (ROOT / "src/cmtof/hardware/rig.yml").read_text("utf-8")
+    known = yaml.safe_load(devices + RIG)
+    command = "scan rig.yml -o out.nc --size 2"
+    return {"rig.yml": document(rng, known)}, command.split()
 
 
 def journal(rng):
@@ -276,28 +279,27 @@ def journal(rng):
     return {"out.nc.journal": data}, f"scan --twin --size 2 -o out.nc {resume}".split()
 
 
+STAGE = "{name: a, crops: 8, crop: 32, batch: 2, noise: [30, 60], rate: [1.0e-3, 1]}"
+CONFIGURATION = """
+model: fast-scnn
+protocol: released
+seed: 1
+rooms: {}
+name: n
+stages: []
+precision: bf16-mixed
+save_every: 10
+"""
+
+
 def configuration(rng):
     """A configuration of a training."""
-    stage = {
-        "name": "a",
-        "crops": 8,
-        "crop": 32,
-        "batch": 2,
-        "noise": [30, 60],
-        "rate": [1e-3, 1],
-    }
+    stage = yaml.safe_load(STAGE)
     if rng.random() < 0.4:
         stage[rng.choice(list(stage))] = strange_value(rng)
-    known = {
-        "model": "fast-scnn",
-        "protocol": "released",
-        "seed": 1,
-        "rooms": {},
-        "name": "n",
-    }
-    known |= {"stages": [stage], "precision": "bf16-mixed", "save_every": 10}
-    files = {"c.yml": document(rng, known)}
-    return files, ["train", "c.yml", "-o", "run", "--data", "none"]
+    known = yaml.safe_load(CONFIGURATION) | {"stages": [stage]}
+    command = "train c.yml -o run --data none"
+    return {"c.yml": document(rng, known)}, command.split()
 
 
 COMMANDS = """\

@@ -2,7 +2,7 @@
 
 import numpy as np
 
-from cmtof.correlation import TAU
+from cmtof.hardware.reduction import drive_phases, nominal_psi
 from cmtof_lab.electronics import volts_from_counts
 from cmtof_lab.instrument import Panel, RfKnobs
 
@@ -11,22 +11,15 @@ DRIVE = {"single": 7.15e9, "doubled": 7.16e9}
 PLATE = {"single": np.deg2rad(11.25), "doubled": np.deg2rad(22.5)}
 MODES = ("single", "doubled")
 EDGES = np.arange(320) // 20
-PSI = TAU * np.arange(16) / 16
+PSI = nominal_psi(16)
 
 
 def ready(mode, **knobs):
     """Everything on; the table steps psi upwards, so the drive steps downwards."""
     rf = {"on": True, "frequency": DRIVE[mode], "power": 30.0}
-    table = np.mod(-PSI / ORDER[mode], TAU)
     on = dict.fromkeys(["laser_on", "shutter_open", "clock_on"], True)
-    plate = PLATE[mode]
-    return Panel(
-        RfKnobs(**rf),
-        RfKnobs(**rf, table=table),
-        plate,
-        plate,
-        **on | knobs,
-    )
+    detection = RfKnobs(**rf, table=drive_phases(16, mode))
+    return Panel(RfKnobs(**rf), detection, PLATE[mode], PLATE[mode], **on | knobs)
 
 
 def profile(instrument, panel, angles=((0.0, 0.0),), **options):

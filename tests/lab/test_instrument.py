@@ -22,7 +22,6 @@ from cmtof_lab.settings import CAPTURES, NOISE, TwinSettings
 from cmtof_lab.targets import Plane
 
 IDEAL = TwinSettings.ideal()
-NOISY = replace(IDEAL, noise=True)
 
 
 def decode_plane(settings, z, mode):

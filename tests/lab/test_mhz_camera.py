@@ -23,6 +23,12 @@ def flat(distance=1.0, reflectance=0.5, cosine=1.0, shape=(24, 24), mirrored=0.0
     )
 
 
+def seen(camera, view, rng):
+    """Depth (H, W), m, from images with noise."""
+    images = camera.capture(camera.light(view, view), rng=rng)
+    return camera.depth(images)[0]
+
+
 def bias(camera, view, field):
     """Range error (H, W), m, of images without noise."""
     images = camera.differences(camera.light(view, field))
@@ -50,22 +56,19 @@ def test_noise_reaches_its_closed_form(power, distance, rng):
     """12 800 pixels: the standard error of a standard deviation is 0.6 %, the margin 3 %."""
     camera = MhzCamera(power=power)
     view = flat(distance, shape=(80, 160))
-    images = camera.capture(camera.light(view, view), rng=rng)
-    error = camera.error(camera.depth(images)[0], view.range)
+    error = camera.error(seen(camera, view, rng), view.range)
     bound = camera.bound(view)[0, 0]
     assert error.std() == approx(bound, rel=0.03)
     assert abs(error.mean()) < 4 * bound / np.sqrt(error.size)
 
 
 def test_dark_and_saturated_pixels_have_no_range(rng):
-    camera = MhzCamera()
-
-    def unknown(view):
-        images = camera.capture(camera.light(view, view), rng=rng)
-        return np.isnan(camera.depth(images)[0]).mean()
-
-    assert 0.3 < unknown(flat(np.nan)) < 0.9
-    assert unknown(flat(reflectance=0.9, mirrored=1.0)) == 1
+    dark, full = (
+        np.isnan(seen(MhzCamera(), view, rng)).mean()
+        for view in (flat(np.nan), flat(reflectance=0.9, mirrored=1.0))
+    )
+    assert 0.3 < dark < 0.9
+    assert full == 1
 
 
 def test_a_veil_pulls_a_dark_spot_by_the_closed_form(dark=0.005):

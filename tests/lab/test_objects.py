@@ -9,7 +9,7 @@ pytest.importorskip("embreex")
 
 from cmtof.constants import FREQUENCY_SINGLE
 from cmtof.correlation import wrap_length
-from cmtof.frame import rays_from_camera
+from cmtof.pointcloud import points_from_depth
 from cmtof.simulation import RELEASED_WRAPS
 from cmtof_lab import objects
 from cmtof_lab.objects import DISTANCE, HEIGHT, WIDTH, gage_blocks, object_mesh
@@ -21,7 +21,7 @@ WRAPS = wrap_length(FREQUENCY_SINGLE) * np.array(RELEASED_WRAPS)
 def unit_rays(view):
     """Rays (96, 96, 3) over a field of view, rad."""
     focal = 48 / np.tan(view / 2)
-    return unit(rays_from_camera((96, 96), [focal, focal, 48, 48]))
+    return points_from_depth(np.ones((96, 96)), [focal, focal, 48, 48])
 
 
 def looked_at(name):

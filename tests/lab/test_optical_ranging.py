@@ -1,7 +1,5 @@
 """The all-optical range finder: counts of a scan, noise at its bound, errors by closed forms."""
 
-from dataclasses import replace
-
 import numpy as np
 from numpy.testing import assert_array_equal
 from pytest import approx, mark
@@ -15,9 +13,8 @@ from cmtof_lab.rehearsal import scan_scene
 from cmtof_lab.settings import TwinSettings
 from cmtof_lab.targets import MIRROR, PLATE, Plane
 
-NOISY = replace(TwinSettings.ideal(), noise=True)
+NOISY = TwinSettings.ideal(noise=True)
 AIR = TwinSettings.ideal(pressure=101325.0)
-TARGETS = {"diffuse": PLATE, "mirror": MIRROR}
 STEPS = np.linspace(0, 1e-3, 5)
 STILL = {"stage_error": 0.0, "air_change": (0.0, 0.0)}
 
@@ -37,13 +34,13 @@ def test_counts_are_those_of_a_scan(mode):
     assert_array_equal(means[1:], scan["raw_counts"][row, 1:, 0, 0])
 
 
-@mark.parametrize(("mode", "what"), [("single", "diffuse"), ("doubled", "mirror")])
-def test_noise_alone_meets_the_bound(mode, what):
+@mark.parametrize(("mode", "target"), [("single", PLATE), ("doubled", MIRROR)])
+def test_noise_alone_meets_the_bound(mode, target):
     """5000 estimates and the zeros of 50 days fix a standard deviation to 1.5 %."""
     ranger = OpticalRanger(NOISY, mode, visits=8, **STILL)
     places = np.linspace(0, 1e-3, 100)
-    errors = ranger.sweep(TARGETS[what], places, repeats=50, seed=2) - 0.6 - places
-    pulls = errors / ranger.bound(TARGETS[what], places)
+    errors = ranger.sweep(target, places, repeats=50, seed=2) - 0.6 - places
+    pulls = errors / ranger.bound(target, places)
     assert np.sqrt(np.mean(pulls**2)) == approx(1, abs=0.045)
 
 

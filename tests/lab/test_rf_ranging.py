@@ -52,7 +52,7 @@ def test_an_imbalance_errs_twice_a_turn_and_is_taken_away(gain=0.9, error=-0.2):
 @mark.parametrize("reflectance", [1e-3, 1e-6])
 def test_sweep_follows_the_law_of_a_noisy_phase_where_nothing_drifts(reflectance):
     """8000 readings, each day with a zero and an offset of better readings."""
-    settings = replace(TwinSettings.ideal(), noise=True)
+    settings = TwinSettings.ideal(noise=True)
     target = replace(MIRROR, reflectance=reflectance)
     ranger = RfRanger(settings=settings, drift=0.0, stage_error=0.0)
     error = ranger.sweep(target, np.zeros(400), repeats=20, seed=1) - target.distance

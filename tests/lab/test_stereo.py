@@ -22,31 +22,26 @@ SHAPE = (30, 40)
 
 
 def planar(depth):
-    """Range along the rays of a planar depth, m."""
-    return np.broadcast_to(depth, SHAPE) * ray_lengths(SHAPE, CAMERA)
-
-
-@fixture
-def wall():
-    return Frame(planar(1.5), np.full(SHAPE, 0.5), CAMERA)
-
-
-@fixture
-def post():
-    """A post of 10 columns, 0.9 m away, before a wall at 1.8 m."""
-    depth = np.full(SHAPE, 1.8)
-    depth[:, 15:25] = 0.9
-    return Frame(planar(depth), np.full(SHAPE, 0.5), CAMERA)
+    """Frame of a planar depth, m."""
+    ranges = np.broadcast_to(depth, SHAPE) * ray_lengths(SHAPE, CAMERA)
+    return Frame(ranges, np.full(SHAPE, 0.5), CAMERA)
 
 
 def points_of(frame):
     return points_from_depth(frame.depth, frame.camera)
 
 
-def exact(frame, sigma=0.05):
-    """Spots of every pixel where they truly are, with a stated deviation."""
-    pixels = RIG.project(points_of(frame))
-    return stereo.Spots(pixels, np.full(pixels.shape[:-1], sigma))
+WALL = planar(1.5)
+# a post of 10 columns, 0.9 m away, before a wall at 1.8 m
+COLUMNS = np.arange(40)
+POST = planar(np.where((COLUMNS < 15) | (COLUMNS >= 25), 1.8, 0.9))
+
+
+@fixture
+def spots():
+    """Spots of every pixel of the wall where they truly are."""
+    pixels = RIG.project(points_of(WALL))
+    return stereo.Spots(pixels, np.full(pixels.shape[:-1], 0.05))
 
 
 @given(st.floats(-0.3, 0.3), st.floats(-0.25, 0.25), st.floats(0.6, 8))
@@ -102,7 +97,7 @@ def test_spots_locate_the_scanner(rng):
             right * back,
         ),
     )
-    beams = points_from_depth(planar(1.5 + 0.01 * np.arange(40)), CAMERA)
+    beams = points_of(planar(1.5 + 0.01 * COLUMNS))
     pixels = RIG.project(beams) + 0.1 * rng.standard_normal((2, *SHAPE, 2))
     pixels[:, ::3] = np.nan
     found = stereo.locate_scanner(rig, pixels, 3.7 * beams)
@@ -138,41 +133,40 @@ def test_no_spot_and_saturated_spots_are_refused(rng):
     assert np.isnan(stereo.place_spots(full, sensor)[1]).all()
 
 
-def test_a_post_hides_what_geometry_says(post):
+def test_a_post_hides_what_geometry_says():
     """From 0.15 m aside the post's edge at 0.9 m hides 0.15 m of the wall at 1.8 m: 5 px."""
-    hidden = np.flatnonzero(~stereo.visible_from(points_of(post), (0.15, 0, 0))[15])
+    hidden = np.flatnonzero(~stereo.visible_from(points_of(POST), (0.15, 0, 0))[15])
     assert 4 <= len(hidden) <= 6
     assert len(set(hidden) & set(range(10, 15))) >= 4
 
 
-def test_stereo_alone_is_in_doubt_near_a_wraps_boundary(wall):
-    truth = stereo.truth_from_spots(exact(wall), RIG, sigmas=2.0)
-    place = wall.depth % WRAP
+def test_stereo_alone_is_in_doubt_near_a_wraps_boundary(spots):
+    truth = stereo.truth_from_spots(spots, RIG, sigmas=2.0)
+    place = WALL.depth % WRAP
     margin = 2.0 * truth.uncertainty
     near = (place < margin) | (place > WRAP - margin)
     assert (truth.mask == ~near).mean() > 0.999
     assert 0.02 < near.mean() < 0.9
-    assert_array_equal(truth.wraps[truth.mask], (wall.depth // WRAP)[truth.mask])
+    assert_array_equal(truth.wraps[truth.mask], (WALL.depth // WRAP)[truth.mask])
 
 
-def test_a_wrong_pair_is_seen_across_the_epipolar_line(wall):
-    spots = exact(wall)
+def test_a_wrong_pair_is_seen_across_the_epipolar_line(spots):
     spots.pixels[1, 3, 4, 1] += 1.0  # 14 of its standard deviations
     truth = stereo.truth_from_spots(spots, RIG, phase=np.zeros(SHAPE))
     assert np.isnan(truth.range[3, 4])
     assert truth.mask.sum() == truth.mask.size - 1
 
 
-def test_labels_of_a_simulated_scan_are_right_and_silent_where_hidden(post, rng):
-    spots = stereo.scan_spots(post, RIG, rng=rng)
-    phase = phase_from_depth(post.depth, FREQUENCY_SINGLE) % TAU
+def test_labels_of_a_simulated_scan_are_right_and_silent_where_hidden(rng):
+    spots = stereo.scan_spots(POST, RIG, rng=rng)
+    phase = phase_from_depth(POST.depth, FREQUENCY_SINGLE) % TAU
     truth = stereo.truth_from_spots(spots, RIG, phase=phase)
     seen = np.all(
-        [stereo.visible_from(points_of(post), c) for c in RIG.centres], axis=0
+        [stereo.visible_from(points_of(POST), c) for c in RIG.centres], axis=0
     )
     assert not truth.mask[~seen].any()
     assert truth.mask.mean() > 0.6
     # k = 3: at most 0.3 % of labels may err
-    assert (truth.wraps == post.depth // WRAP)[truth.mask].mean() > 0.99
-    error = (truth.range - post.depth) / truth.uncertainty
+    assert (truth.wraps == POST.depth // WRAP)[truth.mask].mean() > 0.99
+    error = (truth.range - POST.depth) / truth.uncertainty
     assert np.nanstd(error) == approx(1, abs=0.12)

@@ -4,10 +4,9 @@ import numpy as np
 import pytest
 from numpy.testing import assert_allclose
 from pytest import mark
-from refusals import refused
-from vectors import unit
+from refusals import WRONG, refused
 
-from cmtof.frame import rays_from_camera
+from cmtof.pointcloud import points_from_depth
 from cmtof.scenes import Frame, load_frame
 from cmtof_lab.optics import directions_from_angles
 from cmtof_lab.targets import FrameTarget, MeshTarget, Plane, scene_from
@@ -18,7 +17,7 @@ RAYS = directions_from_angles(np.random.default_rng(0).uniform(-0.25, 0.25, (500
 
 def plane_frame(tilt):
     """Frame of a tilted plane, seen through a camera."""
-    rays = unit(rays_from_camera((40, 48), CAMERA))
+    rays = points_from_depth(np.ones((40, 48)), CAMERA)
     depth = Plane(1.0, tilt_x=tilt).look(rays).range
     return Frame(depth, np.full(depth.shape, 0.4), CAMERA)
 
@@ -39,8 +38,7 @@ def test_a_mesh_interpolates_its_vertices():
     target = MeshTarget(corners, faces, np.array([0.0, 1.0, 1.0, 0.0]), 0.25)
     found = target.look(RAYS)
     assert_allclose(found.range, Plane(2.0).look(RAYS).range, rtol=1e-6)
-    across = RAYS[:, 0] * found.range
-    assert_allclose(found.reflectance, (across + 1) / 2, atol=1e-5)
+    assert_allclose(found.reflectance, (RAYS[:, 0] * found.range + 1) / 2, atol=1e-5)
     assert_allclose(found.mirrored, 0.25)
     points = np.array([[0.0, 0, 3], [0, 0, 1]])
     assert target.is_hidden(points, (0, 0, 0)).tolist() == [True, False]
@@ -53,14 +51,7 @@ def test_scenes_by_name_file_and_mapping():
     assert scene_from({"kind": "mirror", "distance": 1.0}) == Plane(1.0, mirrored=1.0)
 
 
-@mark.parametrize(
-    "source",
-    [
-        {"kind": "cat"},
-        {"kind": "object", "name": "cat"},
-        {"kind": "plane", "distance": 1.0, "colour": 2},
-    ],
-)
+@mark.parametrize("source", WRONG["scenes"])
 def test_nonsense_is_refused(source):
     with refused(r"Expected twin\.scene"):
         scene_from(source)

@@ -1,13 +1,14 @@
 """Small networks and measurements that the tests of the learned unwrapping share."""
 
 import torch
+import yaml
 from pytest import fixture
 
 import cmtof
 from cmtof.network.features import CLASSES
 from cmtof.network.models import build_network
-from cmtof.network.recipe import Config, Stage
-from cmtof.network.weights import Card, Rates, save_weights, weights_path
+from cmtof.network.recipe import Config
+from cmtof.network.weights import read_card, save_weights, weights_path
 
 
 @fixture(autouse=True)
@@ -25,38 +26,38 @@ def measurement(stepped_wall):
     return cmtof.simulate(stepped_wall, noise=300.0)
 
 
+RECIPE = """
+model: fast-scnn-light
+rooms: null
+seed: 3
+save_every: 2
+validate_every: 2
+validation_views: 3
+stages:
+  - {name: a, crops: 6, crop: 32, batch: 2, noise: [30, 60], rate: [2.0e-3, 1.0e-3], warm: 2}
+  - {name: b, crops: 4, crop: 48, batch: 2, noise: [60, 60], rate: [1.0e-3, 1.0e-4], warm: 1}
+"""
+
+
 @fixture
 def config():
     """Two stages of a few steps, without rooms."""
-    first = Stage(
-        name="a", crops=6, crop=32, batch=2, noise=(30, 60), rate=(2e-3, 1e-3), warm=2
-    )
-    last = Stage(
-        name="b", crops=4, crop=48, batch=2, noise=(60, 60), rate=(1e-3, 1e-4), warm=1
-    )
-    return Config(
-        model="fast-scnn-light", stages=(first, last), rooms=None, save_every=2, validate_every=2,
-        validation_views=3, seed=3,
-    )  # fmt: skip
+    return Config.model_validate(yaml.safe_load(RECIPE))
 
 
-def card(
-    model="fast-scnn-light", protocol="released", gain=(0.1, 0.05, 0.15), **changes
-):
-    """Card of made-up weights."""
+def card(model="fast-scnn-light", protocol="released", **changes):
+    """Card of weights that have been trained, as if of another model."""
     first, classes = CLASSES[protocol]
-    rates = Rates(delta_lt_1=0.3, delta_lt_2=0.6, delta_lt_3=0.7, delta_ge_10=0.05)
-    held = Card(
-        model=model, protocol=protocol, classes=classes, first_wrap=first, parameters=1,
-        configuration={}, data="none", crops=1, steps=1, minutes=0.1, hardware="none", versions={},
-        curve=[], views=3, validation=rates, trivial={"middle": rates}, gain=gain,
-    )  # fmt: skip
-    return held.model_copy(update=changes)
+    held = read_card(weights_path("fast-scnn-light", "released"))
+    model = {"model": model, "protocol": protocol}
+    return held.model_copy(
+        update=model | {"first_wrap": first, "classes": classes} | changes
+    )
 
 
 @fixture
 def stored(tmp_path):
-    """Maker of stored weights: a model with fresh weights and a made-up card, or another one."""
+    """Maker of stored weights: a model with fresh weights and a card."""
 
     def store(model="fast-scnn-light", protocol="released", **changes):
         torch.manual_seed(0)

@@ -46,24 +46,22 @@ train(read_config(sys.argv[1]), Path(sys.argv[2]), quiet=True, resume=resume, **
 
 
 @fixture
-def start(tmp_path):
+def start(own_folder):
     """Start a run of two processes in a folder."""
-    (tmp_path / "recipe.yml").write_text(RECIPE)
-    (tmp_path / "run.py").write_text(SCRIPT)
+    Path("recipe.yml").write_text(RECIPE)
+    Path("run.py").write_text(SCRIPT)
 
     def starter(folder):
         command = [sys.executable, "run.py", "recipe.yml", folder]
-        return subprocess.Popen(
-            command, cwd=tmp_path, env=os.environ | {"OMP_NUM_THREADS": "1"}
-        )
+        return subprocess.Popen(command, env=os.environ | {"OMP_NUM_THREADS": "1"})
 
     return starter
 
 
-def test_gradients_of_two_processes_are_those_of_two_halves_in_one(start, tmp_path):
+def test_gradients_of_two_processes_are_those_of_two_halves_in_one(start):
     assert start("both").wait(600) == 0
-    config = read_config(tmp_path / "recipe.yml")
-    module = Unwrapping(config, open_rooms(config), tmp_path / "last.ckpt")
+    config = read_config("recipe.yml")
+    module = Unwrapping(config, open_rooms(config), Path("last.ckpt"))
     for rank in range(2):  # norms see one half at a time, as in a process
         (
             loss_of(
@@ -72,26 +70,24 @@ def test_gradients_of_two_processes_are_those_of_two_halves_in_one(start, tmp_pa
             )
             / 2
         ).backward()
-    found = torch.load(tmp_path / "gradients.pt")
+    found = torch.load("gradients.pt")
     for name, weight in module.network.named_parameters():
         torch.testing.assert_close(
             found[name], weight.grad, rtol=1e-4, atol=1e-6, msg=name
         )
 
 
-def test_a_run_goes_on_after_one_of_its_processes_was_killed(start, tmp_path):
+def test_a_run_goes_on_after_one_of_its_processes_was_killed(start):
     assert start("whole").wait(600) == 0
     run = start("killed")
-    last = tmp_path / "killed" / "last.ckpt"
+    last = Path("killed/last.ckpt")
     while not last.is_file():
         assert run.poll() is None
         time.sleep(0.05)
     children = Path(f"/proc/{run.pid}/task/{run.pid}/children").read_text().split()
     os.kill(int(children[0]), signal.SIGKILL)
     assert run.wait(600) != 0
-    assert not list((tmp_path / "killed").glob("*.safetensors"))
+    assert not list(Path("killed").glob("*.safetensors"))
     assert start("killed").wait(600) == 0
-    (whole,), (killed,) = (
-        (tmp_path / n).glob("*.safetensors") for n in ("whole", "killed")
-    )
+    (whole,), (killed,) = (Path(n).glob("*.safetensors") for n in ("whole", "killed"))
     assert whole.read_bytes() == killed.read_bytes()

@@ -8,7 +8,7 @@ import numpy as np
 import torch
 from numpy.testing import assert_allclose
 from pytest import approx, fixture, mark, skip
-from refusals import refused
+from refusals import WRONG, refused
 
 import cmtof
 from cmtof.correlation import TAU
@@ -16,7 +16,7 @@ from cmtof.files import exclusive_lock
 from cmtof.network import tuning
 from cmtof.network.data import WRAP, Steps, open_rooms
 from cmtof.network.losses import IGNORED
-from cmtof.network.recipe import PRESETS, Config, Stage, read_config
+from cmtof.network.recipe import PRESETS, read_config
 from cmtof.network.training import Unwrapping, loss_of, train
 from cmtof.network.tuning import fine_tune
 from cmtof.network.weights import load_weights, read_card
@@ -46,15 +46,7 @@ def test_stages_follow_each_other(config):
     assert config.rate_at(1) == approx(2e-3 - 1e-3 / 3)
 
 
-@mark.parametrize(
-    ("changes", "stage", "message"),
-    [
-        ({"model": "nobody"}, {}, "Expected a model out of fast-scnn"),
-        ({"protocol": "half"}, {}, "Expected protocol .* 'released' or 'full'"),
-        ({}, {"rooms": 2}, "Expected stages.0.rooms .* less than or equal to 1"),
-        ({}, {"rooms": 1, "crop": 600}, "Expected crops within rooms of 512 px"),
-    ],
-)
+@mark.parametrize(("changes", "stage", "message"), WRONG["configurations"])
 def test_bad_configurations_are_refused_in_one_line(
     tmp_path, config, changes, stage, message
 ):
@@ -121,14 +113,9 @@ def test_device_that_is_not_there_is_refused(tmp_path, config):
 
 
 @mark.parametrize("name", ["fast-scnn", "deep-tof", "rapid"])
-def test_every_model_learns_a_batch_by_heart(name):
+def test_every_model_learns_a_batch_by_heart(config, name):
     """Ten steps on one batch bring its loss down."""
-    stage = Stage(
-        name="a", crops=2, crop=32, batch=2, noise=(30, 30), rate=(3e-3, 3e-3), warm=1
-    )
-    module = unwrapping(
-        Config(model=name, stages=(stage,), rooms=None, validation_views=2)
-    )
+    module = unwrapping(config.model_copy(update={"model": name}))
     sample = module.sample_from_batch(Steps(module.config, None)[0])
     optimizer = torch.optim.Adam(module.network.parameters(), 3e-3)
     losses = []

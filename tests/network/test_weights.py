@@ -6,7 +6,7 @@ import numpy as np
 import torch
 from numpy.testing import assert_allclose
 from pytest import approx, mark
-from refusals import refused
+from refusals import WRONG, refused
 from tests.network.conftest import card
 
 import cmtof
@@ -44,18 +44,7 @@ def test_weights_with_the_fewest_classes_are_found(stored):
         weights.find_weights("fast-scnn-light", 0, 400, narrow.parent)
 
 
-@mark.parametrize(
-    ("changes", "message"),
-    [
-        ({"classes": 20.5}, "Expected classes .* valid integer"),
-        ({"classes": 20}, "no such model with 20 classes"),
-        ({"gain": [0.1, float("nan"), 1]}, "Expected gain.1 .* finite number"),
-        ({"model": "fast-scnn"}, "Expected finite weights of fast-scnn"),
-        ({"model": "fast"}, "no such model"),
-        ({"sha256": "0" * 64}, "the hash .* instead of 000000000000"),
-        ({"colour": "red"}, "Expected colour .* known key"),
-    ],
-)
+@mark.parametrize(("changes", "message"), WRONG["cards"])
 def test_cards_that_do_not_fit_are_refused(stored, changes, message):
     path = stored()
     held = json.loads(path.with_suffix(".json").read_text())
@@ -80,7 +69,7 @@ def test_weights_that_are_not_numbers_or_not_there_are_refused(tmp_path):
 @mark.parametrize("name", ["fast-scnn-light", "one-step", "rapid"])
 def test_classes_agree_with_the_measured_phase(stored, measurement, name):
     depth, sure = inference.unwrap_with_network(measurement, weights=stored(name))
-    assert (sure == 0.3).all() == (name == "one-step")
+    assert (sure == card().validation.delta_lt_1).all() == (name == "one-step")
     if name == "one-step":
         return  # classes agree with the measured phase, a regression need not
     turns = depth / cmtof.correlation.wrap_length(measurement.frequencies[0])

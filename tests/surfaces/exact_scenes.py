@@ -4,18 +4,20 @@ from typing import NamedTuple
 
 import numpy as np
 from scipy.spatial.transform import Rotation
-from vectors import unit
 
 from cmtof.constants import FREQUENCIES
 from cmtof.correlation import phase_from_depth, wrap_length
-from cmtof.frame import Frame, rays_from_camera
+from cmtof.frame import Frame
 from cmtof.measurement import Measurement
+from cmtof.pointcloud import points_from_depth
 from cmtof.surfaces.field import CELL, field_from_measurement
 from cmtof.surfaces.fitting import move_surface
 from cmtof.surfaces.placing import Offsets
 from cmtof.surfaces.shapes import BENT
 
 SHAPE = (128, 160)
+COLUMNS = np.arange(SHAPE[1])
+CELLS = (SHAPE[0] // CELL, SHAPE[1] // CELL)
 CAMERA = (140.0, 138.0, 81.0, 62.5)
 WRAP = wrap_length(FREQUENCIES[0])
 TILTED = (0.3, -0.2, 1)  # normal of a plane
@@ -37,7 +39,7 @@ class Scene(NamedTuple):
 
 
 def unit_rays(shape, camera=CAMERA):
-    return unit(rays_from_camera(shape, camera))
+    return points_from_depth(np.ones(shape), camera)
 
 
 def room_hits(rays):
@@ -127,4 +129,4 @@ def meeting_planes():
 
 
 # which of the two planes each pixel shows
-SIDES = (np.arange(SHAPE[1]) >= 81) * np.ones(SHAPE, np.int32)
+SIDES = (COLUMNS >= 81) * np.ones(SHAPE, np.int32)

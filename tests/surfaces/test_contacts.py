@@ -4,6 +4,7 @@ from itertools import combinations
 
 import numpy as np
 from exact_scenes import (
+    COLUMNS,
     SIDES,
     WRAP,
     exact_field,
@@ -48,7 +49,7 @@ def test_borders_find_whole_wraps_between_planes_that_meet():
 def test_a_border_counts_the_departure_of_its_pixels():
     """A quarter of a wrap that neither plane explains does not move the step."""
     depth, q = plane_depth((0.1, 0, 1))
-    wave = 0.3 * WRAP * np.sin(np.arange(SIDES.shape[1]) / 8)
+    wave = 0.3 * WRAP * np.sin(COLUMNS / 8)
     field = exact_field(depth + wave)
     aside, _ = move_surface(field, q, whole_boxes(), BENT, -0.4 * WRAP)
     for other in (q, aside):

@@ -1,7 +1,7 @@
 """Information of pixels: by the noise of their samples, by noise that none of these shows."""
 
 import numpy as np
-from exact_scenes import SHAPE, plane_frame
+from exact_scenes import COLUMNS, SHAPE, plane_frame
 from pytest import approx, mark
 
 from cmtof.bounds import simulated_phase_noise
@@ -15,7 +15,7 @@ from cmtof.surfaces.field import CELL, field_from_measurement
 def test_information_is_one_over_the_variance_of_the_phase_and_darkness_has_none():
     """|p|^2 / s^2 of a dark pixel is 2 by its noise alone."""
     half = SHAPE[1] // 2
-    frame = plane_frame((0, 0, 1), 1.0 * (np.arange(SHAPE[1]) < half))
+    frame = plane_frame((0, 0, 1), 1.0 * (half > COLUMNS))
     field = field_from_measurement(simulate(frame, protocol="full"))
     assert field.information[:, :, half + 40 :].mean() < 0.1
     bright = field.information[:, :, : half - 8].mean()

@@ -4,6 +4,7 @@ from itertools import product
 
 import numpy as np
 from exact_scenes import (
+    CELLS,
     SHAPE,
     WRAP,
     corner_scene,
@@ -17,8 +18,6 @@ from cmtof.surfaces.field import CELL
 from cmtof.surfaces.growing import grown_surfaces
 from cmtof.surfaces.shapes import depth_of_labels
 from cmtof.surfaces.windows import WINDOWS, plane_in_window, spectral_slopes
-
-CELLS = (SHAPE[0] // CELL, SHAPE[1] // CELL)
 
 
 def test_slopes_are_those_of_a_ramp(rng):

@@ -2,6 +2,8 @@
 
 import numpy as np
 from exact_scenes import (
+    CELLS,
+    COLUMNS,
     SHAPE,
     SIDES,
     WRAP,
@@ -77,7 +79,7 @@ def test_every_pixel_of_a_narrow_surface_counts_where_pixels_are_clear(
     """Strips of three pixels that meet no middle of a cell."""
     depth, _ = plane_depth()
     field = exact_field(depth, information=information)
-    strips = np.where(np.arange(SHAPE[1]) % CELL < 3, INNER, -1)
+    strips = np.where(COLUMNS % CELL < 3, INNER, -1)
     cells = cells_of_surfaces(field, strips, depth, 1, field.side)
     assert cells.side == side
     counted = field.information[:, strips >= 0].sum() * share
@@ -113,7 +115,7 @@ def test_the_roughness_of_a_surface_hardly_costs_its_beat_precision():
 
 def test_two_planes_with_one_phase_are_cut_where_the_beat_steps(rng):
     depth, q = plane_depth()
-    behind = np.arange(SHAPE[1]) >= 80
+    behind = COLUMNS >= 80
     field = exact_field(depth + 5 * WRAP * behind, information=50.0, noise_of=rng)
     main, surfaces = placing.cut_surfaces(field, INNER, q[None])
     assert len(surfaces) == 2
@@ -142,7 +144,7 @@ def test_planes_at_right_angles_place_each_other():
 def test_pixels_take_the_likeliest_surface():
     """Left one plane, right another that meets it, moved by three wraps."""
     field, surfaces = meeting_planes()
-    owner = np.zeros((SHAPE[0] // CELL, SHAPE[1] // CELL), np.int64)
+    owner = np.zeros(CELLS, np.int64)
     owner[:, 10:] = 1
     label, share = placing.pixel_labels(field, owner, surfaces)
     assert np.mean(label == SIDES) > 0.97

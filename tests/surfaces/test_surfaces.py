@@ -3,6 +3,7 @@
 import numpy as np
 from exact_scenes import (
     CAMERA,
+    COLUMNS,
     SHAPE,
     WRAP,
     corner_scene,
@@ -11,7 +12,7 @@ from exact_scenes import (
     plane_frame,
 )
 from pytest import approx, fixture, mark
-from scores import scores
+from scores import images, scores
 
 import cmtof
 from cmtof.constants import FREQUENCIES
@@ -22,11 +23,6 @@ from cmtof.surfaces import stages, surfaces_mirrored
 from cmtof.surfaces.method import STEPS
 from cmtof.surfaces.mirrored import mirror_image
 from cmtof.surfaces.votes import depth_by_votes, slopes_of_surfaces
-
-
-def unwrapped(measurement):
-    result = cmtof.unwrap(measurement)
-    return [result[name].to_numpy() for name in ("wrap_count", "depth", "confidence")]
 
 
 def right(measurement, within=1, **options):
@@ -46,7 +42,7 @@ def clean_corner(corner):
 
 @fixture(scope="module")
 def clean(clean_corner):
-    return unwrapped(clean_corner)
+    return images(clean_corner)
 
 
 def test_the_corner_without_noise_is_exact_whatever_is_left_out(
@@ -74,24 +70,12 @@ def test_a_wide_plane_is_right_in_the_papers_noise():
         assert right(simulate(frame, protocol="full", seed=1), within=2) > 0.99
 
 
-def test_reference_phases_and_units_do_not_matter(corner, clean_corner, clean):
-    psi = 2 * np.pi * np.arange(5) / 5 + 1.7
-    other = simulate(corner.frame, protocol="full", noise_free=True, psi=psi)
-    data = clean_corner.dataset.copy()
-    data["correlation"] *= 100
-    scaled = Measurement(data)
-    for m in (other, scaled):
-        assert np.mean(unwrapped(m)[0] == clean[0]) > 0.999
-
-
-def test_turned_and_mirrored_images_have_turned_answers(clean_corner, clean):
-    """Their camera is turned as well."""
+def test_a_turned_image_has_a_turned_answer(clean_corner, clean):
+    """Its camera is turned as well."""
     data = clean_corner.dataset
     turned = data.rename(y="x", x="y").transpose("frequency", "step", "y", "x", ...)
     turned["camera"] = data["camera"][[1, 0, 3, 2]]
-    assert np.mean(clean[0] == unwrapped(Measurement(turned))[0].T) >= 0.98
-    found = unwrapped(mirror_image(clean_corner, 1, -1))[0]
-    assert np.mean(found[:, ::-1] == clean[0]) >= 0.98
+    assert np.mean(clean[0] == images(Measurement(turned))[0].T) >= 0.98
 
 
 def test_the_vote_is_the_same_for_a_mirror_image(corner):
@@ -105,11 +89,10 @@ def test_components_are_bodies_whose_surfaces_meet(clean_corner):
     room = cmtof.unwrap(clean_corner)
     assert np.mean(room.component == 1) > 0.95
     assert room.component_odds.sel(number=1, offset=0) > 0.9
-    columns = np.arange(SHAPE[1])
     left, _ = plane_depth((0, 0.5, 1), 2)
     right, _ = plane_depth((0, 0, 1), 3)
-    light = np.broadcast_to(np.abs(columns - 90) > 10, SHAPE).astype(float)
-    apart = Frame(np.where(columns < 90, left, right), light, np.array(CAMERA))
+    light = np.broadcast_to(np.abs(COLUMNS - 90) > 10, SHAPE).astype(float)
+    apart = Frame(np.where(COLUMNS < 90, left, right), light, np.array(CAMERA))
     result = cmtof.unwrap(simulate(apart, protocol="full", seed=1))
     assert np.mean(result.component[:, :75] == 1) > 0.95
     assert np.mean(result.component[:, 105:] == 2) > 0.95
@@ -140,7 +123,7 @@ def test_one_frame_shows_the_offset_between_its_frequencies():
 
 def exact_share(m, depth):
     """Share of the valid pixels whose depth is right to a ten-thousandth of a metre."""
-    return np.mean(np.abs(unwrapped(m)[1] - depth)[m.mask] < 1e-4)
+    return np.mean(np.abs(images(m)[1] - depth)[m.mask] < 1e-4)
 
 
 def test_phases_alone_do_not_say_how_noisy_they_are(exact):
@@ -176,7 +159,7 @@ def test_neighbours_vote_along_the_slope_of_their_surface():
     depth, _ = plane_depth((-0.7, 0, 1))
     field = exact_field(depth, information=5000.0)
     assert np.median(np.diff(depth)) == approx(0.6 * WRAP, rel=0.1)
-    explained = np.broadcast_to(np.arange(SHAPE[1]) % 8 < 4, SHAPE)
+    explained = np.broadcast_to(COLUMNS % 8 < 4, SHAPE)
     astray = np.where(explained, depth, depth - WRAP)
     slopes = slopes_of_surfaces(depth / WRAP, np.zeros(SHAPE, int))
     found, share = depth_by_votes(field, astray, slopes, explained, 0.0)
@@ -186,11 +169,11 @@ def test_neighbours_vote_along_the_slope_of_their_surface():
 
 def test_images_whose_surfaces_lie_outside_the_mask_are_unwrapped():
     """A wall that is masked beside dark pixels that are not."""
-    mask = np.broadcast_to(np.arange(SHAPE[1]) < 16, SHAPE)
+    mask = np.broadcast_to(COLUMNS < 16, SHAPE)
     m = simulate(
         plane_frame((0, 0, 1), np.where(mask, 0.0, 1.0)), protocol="full", seed=0
     )
-    count, depth, confidence = unwrapped(
+    count, depth, confidence = images(
         Measurement(m.dataset.assign(mask=(("y", "x"), mask)))
     )
     assert (count[mask] >= 0).all() and (count[~mask] == -1).all()
