@@ -131,7 +131,7 @@ def test_inputs_are_never_replaced(fails, measured):
     Measurement(measured.dataset.drop_vars("camera")).save(m)
     before = m.read_bytes()
     assert "got m.nc twice" in fails("unwrap m.nc -o m.nc")
-    assert "got m.nc twice" in fails("unwrap m.nc -o c.nc --covered c.nc")
+    assert "got c.nc twice" in fails("unwrap m.nc -o c.nc --covered c.nc")
     assert "named *.ply, got m.nc" in fails("unwrap m.nc -o out.nc --ply m.nc")
     assert "named *.json, got m.nc" in fails("evaluate room --json m.nc")
     assert "Expected a camera" in fails("unwrap m.nc -o out.nc --ply c.ply")

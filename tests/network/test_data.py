@@ -40,7 +40,8 @@ def test_noise_free_phases_are_those_of_the_depth_and_their_offsets():
     batch = batch_of_one([[7.1]], 0.7, 0.0)
     batch = batch._replace(noise=torch.zeros_like(batch.noise), offset=offset)
     phase, *_ = data.phasors(batch)
-    expected = TAU * 7.1 / wrap_length(np.array(FREQUENCIES)) + offset[0].numpy()
+    turns = 7.1 / wrap_length(np.array(FREQUENCIES))
+    expected = TAU * turns + offset[0].numpy()
     # single precision would lose 0.3 mrad over 700 wraps
     assert phase.numpy().ravel() == approx(expected % TAU, abs=1e-4)
 
@@ -99,7 +100,8 @@ def test_leaves_cover_all_classes_and_hide_them_from_brightness(protocol):
     depth, light = np.array(drawn)[:, :, ::8, ::8].swapaxes(0, 1)
     turns, inside = turns_and_range(depth, protocol)
     assert inside.mean() > 0.5
-    counts, _ = np.histogram(turns[inside], 7, (0, CLASSES[protocol][1]))
+    classes = CLASSES[protocol][1]
+    counts, _ = np.histogram(turns[inside], 7, (0, classes))
     assert counts.max() < 2.5 * counts.min()
     shade = np.log(light[inside] + 1e-3)
     correlation = np.corrcoef(turns[inside], shade)[0, 1]
