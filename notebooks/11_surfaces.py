@@ -174,11 +174,14 @@ views.show_scene("scene_room", title="the room")
 #
 # and at the true depth it reaches $E = \sum_f a_f^2/s_f^2$ on average. Both are sums over
 # frequencies and pixels, so they also hold for a whole surface, and $S/E$ is the share of its
-# pixels that a hypothesis explains. The residual of a pixel's samples gives $s_f$. Vibration and
-# drift move all samples of a pixel alike, so they are in no residual. The beats of pixels two apart
-# show them, since depth hardly moves a beat: what these differ by beyond $s_f$ counts as noise of
-# every phase. Frames of the simulator have none of it; scans of the simulated instrument with the
-# captures' noise have ([chapter 21](21_scanned_scenes.ipynb)).
+# pixels that a hypothesis explains. The residual of a pixel's samples gives $s_f$. The amplitude
+# $a_f$ is a mean over the smallest square, of 5 to 135 px, in which it exceeds its noise by four
+# standard deviations. In a dark room a smaller square would take noise for light, and lose up to
+# two thirds of the information. Vibration and drift move all samples of a pixel alike, so they are
+# in no residual. The beats of pixels two apart show them, since depth hardly moves a beat: what
+# these differ by beyond $s_f$ counts as noise of every phase. Frames of the simulator have none of
+# it; scans of the simulated instrument with the captures' noise have ([chapter
+# 21](21_scanned_scenes.ipynb)).
 #
 # The method looks for the surfaces of largest $S$. A plane seen by a camera is exactly linear in
 # the inverse of its range: with $u = x/z$ and $v = y/z$ of each ray and its cosine $\kappa$ to the
