@@ -189,8 +189,7 @@ def pack_views(views: Sequence[Source]) -> Pack:
         shape = depths[0].shape if depths else frame.depth.shape
         if frame.depth.shape != shape:
             frames.skipped[frame.name] = (
-                f"Expected depths of {shape} px, got {frame.depth.shape} or none. "
-                "Look at it."
+                f"Expected depths of {shape} px, got {frame.depth.shape}. Look at it."
             )
             continue
         depths.append(frame.depth)
