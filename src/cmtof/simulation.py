@@ -96,10 +96,13 @@ def _means(frame: Frame, depth: Array, frequencies: Array, psi: Array) -> Single
     angle = (TAU * (turns % 1)).astype(np.float32)[:, None]
     x = np.cos(angle) * signal / np.pi
     y = np.sin(angle) * signal / np.pi
-    c = np.cos(psi).astype(np.float32)[..., None, None]
-    s = np.sin(psi).astype(np.float32)[..., None, None]
-    # rounding must not make a rate negative
-    return np.maximum(x * c - y * s + signal / 2, 0)
+    step = psi[..., None, None]
+    c = np.cos(step).astype(np.float32)
+    s = np.sin(step).astype(np.float32)
+    means = x * c
+    means -= y * s
+    means += signal / 2
+    return np.maximum(means, 0)  # rounding must not make a rate negative
 
 
 def staged_depth(

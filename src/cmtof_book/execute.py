@@ -16,7 +16,7 @@ from pathlib import Path
 from typing import Any
 
 # jsonschema, by which notebooks are checked and numbers glued, would compile a grammar of
-# internationalised URIs for seconds, here and in the kernel; it does without when there is none
+# internationalised URIs for seconds; it does without when there is none
 sys.modules["rfc3987_syntax"] = None  # pyright: ignore[reportArgumentType]
 
 import nbformat  # noqa: E402

@@ -96,7 +96,7 @@ def unwrap(
 def _check_distinct(paths: list[Path]) -> None:
     """Raise a ValueError if two of the inputs and outputs are the same file."""
     # also for a circle of links
-    file, count = Counter(map(os.path.realpath, paths)).most_common(1)[0]
+    [(file, count)] = Counter(map(os.path.realpath, paths)).most_common(1)
     if count > 1:
         raise ValueError(
             f"Expected different files as inputs and outputs, got {Path(file).name} twice. "

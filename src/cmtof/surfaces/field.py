@@ -124,14 +124,14 @@ def _smooth_power(power: Array, known: Flags) -> Array:
     share /= share.mean()
     excess = power.mean(axis=0) - 2  # each component's noise adds 1 to |p|^2 / s^2
     left = known.copy()
-    mean = np.zeros(known.shape)
+    mean = np.zeros_like(excess)
     for side in _SQUARES:
         images = left.astype(float), np.where(left, excess, 0)
         weight, total = (uniform_filter(i, side, mode="constant") for i in images)
-        found = np.maximum(total / np.maximum(weight, 1e-6), 1e-4)
+        weight = np.maximum(weight, 1e-6)
+        found = np.maximum(total / weight, 1e-4)
         mean = np.where(left, found, mean)
-        noise = np.sqrt(2 / np.maximum(weight, 1e-6)) / side
-        left &= found < _CLEARLY * noise
+        left &= found < _CLEARLY * np.sqrt(2 / weight) / side
     return share[:, None, None] * mean
 
 
