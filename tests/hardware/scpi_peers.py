@@ -14,14 +14,15 @@ class Scpi:
     def __init__(self, file, device, clock=None):
         self.device = device
         found = get_devices(VISA / file, bundled=False)
-        (resource,) = found.list_resources()
-        self._talker = found[resource]
+        self._talker = found[found.list_resources()[0]]
 
     def __call__(self, line):
         request = line.strip()
         head, _, value = request.decode().partition(" ")
-        if head == "MEAS:POW?":
-            return f"{self.device.power!r}\n".encode()
+        if head == "MEAS:POW?":  # -30 while it is left in dBm
+            return b"%r\n" % (
+                -30.0 if b"DBM" in self(b"SENS:POW:UNIT?") else self.device.power
+            )
         if value in ("ON", "OFF"):
             self.device.output(int(head[1]), value == "ON")
         self._talker.write(request + b"\n")

@@ -25,8 +25,8 @@ def test_information_is_one_over_the_variance_of_the_phase_and_darkness_has_none
 @mark.parametrize("bright", [0.15, 0.3, 1.0])
 def test_a_dim_wall_loses_little_of_its_information(bright):
     """Pooled by their square roots, wrong weights K leave <sqrt K>^2 / <K> of the information."""
-    frame = plane_frame((0, 0, 1), np.full(SHAPE, bright))
-    weight = field_from_measurement(simulate(frame, noise=4000)).information
+    m = simulate(plane_frame((0, 0, 1), bright), noise=4000)
+    weight = field_from_measurement(m).information
     assert np.sqrt(weight).mean() ** 2 > 0.95 * weight.mean()
 
 
