@@ -29,7 +29,8 @@ from cmtof.simulation import QUADRATURES, RELEASED_WRAPS
 from cmtof.types import Array, Numbers
 from cmtof_book import RESULTS, Values
 from cmtof_book.provenance import read_json, write_json
-from cmtof_lab.objects import FIELD_OF_VIEW, TRAINING, still_life
+from cmtof_book.rendered_stills import rendered_still
+from cmtof_lab.objects import FIELD_OF_VIEW, OBJECTS, TRAINING, still_life
 from cmtof_lab.optics import directions_from_angles
 from cmtof_lab.rehearsal import scan_scene
 from cmtof_lab.settings import NOISE, TwinSettings
@@ -55,6 +56,7 @@ ENDS = wrap_length(FREQUENCIES[0]) * np.array(
 )  # range of the released protocol, m
 
 SIZE = 200
+RENDERED = 2  # group of still lifes that are rendered rather than scanned
 COVERED = 20  # side, points, of a scan of stray light, whose beam a black cap covers
 CAP = Plane(0.1, reflectance=0.0)
 SEEDS = (0, 1, 2)
@@ -77,7 +79,10 @@ CURVE = (1, 3, 10, 40, 136, 300)  # labelled scans whose worth is compared
 VALIDATED = 9  # scans of held-out things
 
 # Labelled scans, and metres between the cameras: side by side they see what the beam sees.
-LABELS = {"labelled": CURVE[-1], "baseline": 0.06}
+LABELS = {"labelled": 136, "baseline": 0.06}
+# Legs of training on rendered still lifes, before any scan, and how many more of them each has.
+LEGS = 4
+STILLS = 400
 
 NETWORK = "fast-scnn"
 # Rows with the fine-tuned weights, and their methods.
@@ -86,14 +91,11 @@ TUNED_ROWS = {
     "tuned mirrored": "fast-scnn-mirrored",
     "tuned hybrid": "hybrid",
 }
-FIRST_LEG: Values = {"steps": 600, "learning_rate": 5e-4, "crop": 192, "batch": 2}
-NEXT_LEGS: Values = FIRST_LEG | {
-    "steps": 1500
-}  # options of `cmtof.network.tuning.fine_tune`
+# Options of `cmtof.network.tuning.fine_tune`, on scans and on rendered still lifes.
+TUNING: Values = {"steps": 600, "learning_rate": 5e-4, "crop": 192, "batch": 2}
+LEARNING: Values = TUNING | {"steps": 2500}
 
 DEPTH_WEIGHT = 0.005  # weight of the distance in depth, 1/mm, as where the network was trained last
-
-LEGS = range(5)  # of training, among which the best are chosen
 
 Noise = str | float  # one of `cmtof_lab.settings.NOISE`, or a multiple of the captures'
 
@@ -213,10 +215,11 @@ def kept_scan(
 
 
 def example(number: int, group: int = 0) -> tuple[Measurement, Numbers, Array]:
-    """Scan of a still life, its wraps by stereo, -1 where unknown, and its depth, m."""
-    scan = load_or_make(
-        f"still_{group}_{number}", partial(labelled_scan, number, group)
-    )
+    """Still life scanned or rendered, its wraps, -1 where unknown, and its depth, m."""
+    make = partial(labelled_scan, number, group)
+    if group == RENDERED:
+        make = partial(rendered_still, number, SIZE)
+    scan = load_or_make(f"still_{group}_{number}", make)
     return scan, *(scan.dataset[key].to_numpy() for key in ("wraps", "labels"))  # pyright: ignore[reportReturnType]
 
 
@@ -226,7 +229,8 @@ def labelled_scan(number: int, group: int) -> Measurement:
 
     rng = np.random.default_rng([number, group])
     things = rng.permutation((LEARNT, HELD_OUT)[group])
-    mesh, view = still_life(things[: 1 + number % 3], rng)  # pyright: ignore[reportArgumentType]
+    things = [OBJECTS[name]["pieces"] for name in things[: 1 + number % 3]]
+    mesh, view = still_life(things, rng)
     target = MeshTarget.from_mesh(mesh)
     seed = 1000 + 5000 * group + number
     scan = scan_target(target, "captures", field_of_view=view, seed=seed)
@@ -238,32 +242,46 @@ def labelled_scan(number: int, group: int) -> Measurement:
     return Measurement(scan.dataset.drop_vars("raw_counts").assign(labels))
 
 
-def tuned_weights(count: int, legs: int) -> Path:
-    """Weights after some legs on the first so many labelled scans, each made from the one before.
+def rendered_weights(legs: int) -> Path:
+    """Weights after legs on rendered still lifes, `STILLS` more in each; before any, of rooms."""
+    if not legs:
+        return weights_path(NETWORK, "released")
+    start = rendered_weights(legs - 1)
+    stills = range(legs * STILLS)
+    return trained_leg(f"rendered_{legs}", start, stills, RENDERED, LEARNING, legs)
 
-    In a leg the rate falls to zero; in half precision where the processor can.
+
+def tuned_weights(scans: int, legs: int = 0) -> Path:
+    """Weights tuned on labelled scans, after legs on rendered still lifes."""
+    start = rendered_weights(legs)
+    return trained_leg(f"tuned_{scans}_{legs}", start, range(scans), 0, TUNING, 1)
+
+
+def trained_leg(
+    name: str, start: Path, numbers: range, group: int, options: Values, seed: int
+) -> Path:
+    """Weights by name, trained from others on examples of a group unless they are there.
+
+    The learning rate falls to zero; in half precision where the processor can.
     """
     import torch
 
     from cmtof.network.tuning import fine_tune
     from cmtof.network.weights import load_weights, save_weights
 
-    if not legs:
-        return weights_path(NETWORK, "released")
-    path = weights_path(NETWORK, "released", FOLDER / f"tuned_{count}_{legs}")
+    path = weights_path(NETWORK, "released", FOLDER / name)
     if not path.exists():
-        trained = load_weights(tuned_weights(count, legs - 1))
+        trained = load_weights(start)
         model = trained.network.model
         trained.network.model = model._replace(depth_weight=DEPTH_WEIGHT)
-        options = NEXT_LEGS if legs > 1 else FIRST_LEG
-        examples = [*map(example, range(count))]
+        examples = [example(number, group) for number in numbers]
         torch.set_num_threads(1)
         # without a cache, which would keep the first step's weights for the whole block
         with torch.autocast("cpu", torch.bfloat16, cache_enabled=False):
-            tuned, losses = fine_tune(trained, examples, seed=legs, **options)
+            tuned, losses = fine_tune(trained, examples, seed=seed, **options)
         path.parent.mkdir(exist_ok=True)
         save_weights(path, tuned.network, tuned.card)
-        print(path.parent.name, np.mean(losses[-50:]), flush=True)
+        print(name, np.mean(losses[-50:]), flush=True)
     return path
 
 
@@ -320,9 +338,8 @@ def scan_for_row(row: str, name: str, noise: Noise, seed: int) -> Measurement:
     return scan
 
 
-def validation_rates(legs: int) -> list[float]:
+def validation_rates(weights: Path) -> list[float]:
     """Shares of right wraps on scans of the things that are held out."""
-    weights = tuned_weights(CURVE[-1], legs)
     scans = (example(number, 1)[0] for number in range(VALIDATED))
     every = counts_of(scans, method=NETWORK, weights=weights)
     return [round(one["below"][0] / one["pixels"], 4) for one in every]
@@ -354,18 +371,16 @@ def main() -> None:
     """Compute what is missing, and store it."""
     FOLDER.mkdir(parents=True, exist_ok=True)
     counts = Counts(RATES)
-    rates = [
-        counts.keep("validation", str(legs), of=partial(validation_rates, legs))
-        for legs in LEGS
-    ]
-    chosen = int(np.mean(rates[1:], axis=1).argmax()) + 1
-    best = tuned_weights(CURVE[-1], chosen)
+    stages = {f"rendered {legs}": rendered_weights(legs) for legs in range(LEGS + 1)}
+    best = stages["tuned"] = tuned_weights(LABELS["labelled"], LEGS)
+    for stage, weights in stages.items():
+        counts.keep("validation", stage, of=partial(validation_rates, weights))
     shutil.copytree(best.parent, TUNED, dirs_exist_ok=True)
     counts.store(
         command="python -m cmtof_book.scanned",
         version=__version__,
-        settings={"size": SIZE, "seeds": SEEDS, "legs": chosen} | LABELS,
-        legs=[FIRST_LEG, NEXT_LEGS],
+        settings={"size": SIZE, "seeds": SEEDS, "rendered": LEGS * STILLS} | LABELS,
+        legs=[TUNING, LEARNING],
         weights=read_card(best).sha256,
     )
     rows: Rows = {name: {} for name in (*METHODS, *TOLD) if name != "phasor"}
@@ -375,8 +390,9 @@ def main() -> None:
     compare(counts, "photon", rows | stray)
     sweep(counts, {NETWORK: {"weights": best}, "kde": {}, "reference-contact": {}})
     rows["phasor"] = {}
+    rows["rendered"] = {"method": NETWORK, "weights": stages[f"rendered {LEGS}"]}
     for n in CURVE:
-        rows[f"{n} scans"] = {"method": NETWORK, "weights": tuned_weights(n, 1)}
+        rows[f"{n} scans"] = {"method": NETWORK, "weights": tuned_weights(n)}
     compare(counts, "captures", rows)
 
 

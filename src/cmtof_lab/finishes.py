@@ -5,6 +5,7 @@ Reliefs return how far the skin stands out, m, holes where it is open, looks the
 """
 
 from pathlib import Path
+from typing import Any
 
 from numpy import (
     abs,
@@ -46,13 +47,14 @@ def mix(dark: ArrayLike, pale: float, share: ArrayLike) -> Array:
     return dark + (pale - dark) * clip(share, 0, 1)  # pyright: ignore[reportOperatorIssue, reportReturnType]
 
 
-def relief(name: str, x: Array, y: Array, z: Array) -> Array:
-    """A relief by name: a function of this module, or a sum of waves of the catalogue."""
-    if name not in CATALOGUE["waves"]:
-        return globals()[name](x, y, z)
+def relief(stated: Any, x: Array, y: Array, z: Array) -> Array:
+    """A relief: a sum of waves, or its name in the catalogue, or a function of this module."""
+    waves = CATALOGUE["waves"].get(stated, stated)
+    if isinstance(waves, str):
+        return globals()[waves](x, y, z)
     turn = arctan2(x, -y)
     out = 0 * x
-    for height, *along, around, phase in CATALOGUE["waves"][name]:
+    for height, *along, around, phase in waves:
         turned = map(multiply, [around, *along], [turn, x, y, z])
         out += height * sin(sum(turned, phase))
     return out
@@ -102,16 +104,15 @@ def visor(x: Array, y: Array, z: Array) -> Array:
     return out + 0.012 * front * keel
 
 
-def openings(x: Array, y: Array, z: Array) -> Flags:
-    """Slits, eyes and breathing holes of the helmet, which is open behind."""
-    front = y < -0.01
+def openings(table: Any, x: Array, y: Array, z: Array) -> Flags:
+    """Openings in front, as the catalogue states them, of a body that is open behind."""
     opened = (y > 0.02) & (z < 0.2184)
-    for aside, height, breadth, tall, flat, steep, slope in CATALOGUE["openings"]:
+    for aside, height, breadth, tall, flat, steep, slope in table:
         across = abs(x) - aside
         along = z - height - slope * across
         far = abs(across / breadth) ** flat
         far += abs(along / tall) ** steep
-        opened |= front & (far < 1)
+        opened |= (y < -0.01) & (far < 1)
     return opened
 
 

@@ -57,13 +57,15 @@ def object_mesh(name: str) -> Trimesh:
     )
 
 
-def still_life(names: Sequence[str], rng: Generator) -> tuple[Trimesh, float]:
-    """Things by name, posed at random as `object_mesh` has them, and the field of view, rad."""
+def still_life(
+    stated: Sequence[Iterable[Fields]], rng: Generator
+) -> tuple[Trimesh, float]:
+    """Things of stated pieces, posed at random on a table, and the field of view, rad."""
     pitch = rng.uniform(0.04, 0.55)
-    many = len(names) > 1
-    places = rng.permutation(np.linspace(-0.1, 0.1, len(names)) * many)
-    places += rng.uniform(-0.04, 0.04, len(names))
-    things = [_pose(name, x, many, rng) for x, name in zip(places, names, strict=True)]
+    many = len(stated) > 1
+    places = rng.permutation(np.linspace(-0.1, 0.1, len(stated)) * many)
+    places += rng.uniform(-0.04, 0.04, len(stated))
+    things = [_pose(one, x, many, rng) for x, one in zip(places, stated, strict=True)]
     mesh = _stage(things, 1.6, *rng.uniform([0.16, 0.15, 0.15], [0.27, 0.7, 0.8]))
     turn = rng.normal(0, 0.12)
     share, farther, view = rng.uniform([0.35, -0.03, 0.32], [0.65, 0.02, 0.43])
@@ -71,12 +73,10 @@ def still_life(names: Sequence[str], rng: Generator) -> tuple[Trimesh, float]:
     return _place_scene(mesh, pitch, middle, DISTANCE + farther, turn), view
 
 
-def _pose(name: str, x: float, many: bool, rng: Generator) -> Any:
+def _pose(pieces: Iterable[Fields], x: float, many: bool, rng: Generator) -> Any:
     """A thing stretched, turned, one in five laid down, and put on the table; smaller of many."""
     size = rng.uniform(0.75 - 0.25 * many, 1.15 - 0.2 * many)
-    mesh: Any = concatenate(
-        [_refinish(_piece(one), rng) for one in OBJECTS[name]["pieces"]]
-    )
+    mesh: Any = concatenate([_refinish(_piece(one), rng) for one in pieces])
     points = mesh.vertices * size * rng.uniform(0.8, 1.25, 3)
     laid = rng.choice([90, -90]) if rng.uniform() < 0.2 else 0
     turn = Rotation.from_euler("xz", [laid, rng.uniform(-180, 180)], degrees=True)
@@ -172,8 +172,9 @@ def _finish(
 
 
 def _body(stated: Fields) -> Trimesh:
-    """A smooth upright body by its profile."""
-    sections = np.array(CATALOGUE["profiles"][stated["body"]], float)
+    """A smooth upright body by its profile, or by the name of one."""
+    named = stated["body"]
+    sections = np.array(CATALOGUE["profiles"].get(named, named), float)
     return _lathe(sections * stated.get("scale", 1.0), stated)
 
 
@@ -223,8 +224,9 @@ def _lathe(sections: Array, stated: Fields) -> Trimesh:
     ring = np.hstack([number, number[:, :1]])
     corners = cells_of(ring)[..., [0, 3, 2, 1]].reshape(-1, 4)
     if "holes" in stated:
-        opened = getattr(finishes, stated["holes"])
-        corners = corners[~opened(*points[corners].mean(1).T)]
+        holes = CATALOGUE["openings"].get(stated["holes"], stated["holes"])
+        opened = finishes.openings(holes, *points[corners].mean(1).T)
+        corners = corners[~opened]
     return mesh_from(points, triangles_of(corners))
 
 

@@ -1,0 +1,123 @@
+"""Still lifes of made-up things, rendered rather than scanned, on which a network learns first.
+
+A scan takes the simulated instrument ten seconds. Rays of its spot and the law of its noise take
+one, and tell the true wraps, so that there can be as many as a network needs.
+"""
+
+import numpy as np
+from numpy.random import Generator, default_rng
+from trimesh import Trimesh
+
+from cmtof.constants import FREQUENCIES, FREQUENCY_SINGLE
+from cmtof.correlation import (
+    consistent_wrap_count,
+    depth_from_wraps,
+    phase_from_depth,
+    wrap_length,
+    wrapped,
+)
+from cmtof.hardware.plan import plan_scan
+from cmtof.measurement import Measurement
+from cmtof.types import Array, Complex, Fields
+from cmtof_lab.objects import still_life
+from cmtof_lab.optics import trace
+from cmtof_lab.rehearsal import rig_of
+from cmtof_lab.settings import NOISE, TwinSettings
+from cmtof_lab.targets import MeshTarget
+
+QUIET = TwinSettings()
+# Deviation of a phasor's parts, share of the emitted light, as at the photon limit of a scan
+DARK = np.reshape([1.9e-9, 4.7e-9], (2, 1, 1))
+MIXED = 0.3 * wrap_length(FREQUENCY_SINGLE)  # departure that mixes two surfaces, m
+
+# Kinds of pieces, least and largest sizes, m, as ``objects.yml`` states them
+SIZES = {
+    "box": ([0.01, 0.01, 0.01], [0.16, 0.16, 0.16]),
+    "ellipsoid": ([0.01, 0.01, 0.01], [0.09, 0.09, 0.09]),
+    "rod": ([0.1, 0.003], [0.5, 0.02]),
+    "torus": ([0.02, 0.004], [0.07, 0.015]),
+}
+MIRRORED = (0.0, 0.03, 0.1, 0.6, 0.95)  # specular weights, one as often as another
+
+
+def rendered_still(number: int, size: int) -> Measurement:
+    """Still life with the captures' noise, ``wraps``, -1 where surfaces mix, and ``labels``, m."""
+    rng = default_rng([number, 77])
+    things = [made_up_thing(rng) for _ in range(1 + number % 3)]
+    phasor, true = rendered_scene(*still_life(things, rng), size, number)
+    seen = with_noise(phasor, rng)
+    phase = wrapped(np.angle(seen))
+    wraps = consistent_wrap_count(true, phase[0], FREQUENCY_SINGLE)
+    depth = depth_from_wraps(phase[0], wraps, FREQUENCY_SINGLE)
+    wraps[abs(depth - true) > MIXED] = -1
+    still = Measurement.from_phase(phase, FREQUENCIES, amplitude=abs(seen))
+    labels = {"wraps": (("y", "x"), wraps), "labels": (("y", "x"), depth)}
+    return Measurement(still.dataset.assign(labels))
+
+
+def rendered_scene(
+    mesh: Trimesh, view: float, size: int, seed: int
+) -> tuple[Complex, Array]:
+    """Phasors (2, H, W), of the emitted light, of a scene in a field of view, and range, m."""
+    angle = np.rad2deg(view)
+    plan = plan_scan(rig_of("", field_of_view_deg=(angle, angle)), size=size)
+    target = MeshTarget.from_mesh(mesh)
+    paths = trace(target, plan.angles.reshape(-1, 2), QUIET, seed)
+    reach = QUIET.group_index * paths.range
+    phase = phase_from_depth(reach, np.reshape(FREQUENCIES, (2, 1, 1)))
+    phasor = (paths.fraction * np.exp(1j * phase)).sum(-1)
+    return phasor.reshape(2, size, size), reach[:, 0].reshape(size, size)
+
+
+def with_noise(phasor: Complex, rng: Generator) -> Complex:
+    """Phasors (2, H, W) with noise of the detector and, shared by neighbours, of the captures."""
+    captures = NOISE["captures"]
+    dark = DARK * rng.standard_normal((2, *phasor.shape))
+    own = rng.standard_normal(phasor.shape)
+    mix = np.arcsin(2 * captures["grain"]) / 2
+    turn = np.cos(mix) * own + np.sin(mix) * np.roll(own, 1, axis=-1)
+    turn *= np.reshape(captures["phase_noise"], (2, 1, 1))
+    return (phasor + dark[0] + 1j * dark[1]) * np.exp(1j * turn)
+
+
+def made_up_thing(rng: Generator) -> list[Fields]:
+    """One to four pieces of random shapes, as ``objects.yml`` states those of its objects."""
+    return [_piece(rng) for _ in range(rng.integers(1, 5))]
+
+
+def _piece(rng: Generator) -> Fields:
+    """A piece of a random shape, look and place."""
+    piece = {
+        "look": np.exp(rng.uniform(-3.2, -0.15)),
+        "mirrored": rng.choice(MIRRORED),
+        "turn": rng.uniform(-np.pi, np.pi),
+        "at": rng.uniform([-0.1, -0.08, 0], [0.1, 0.08, 0.2]),
+    }
+    if rng.uniform() < 0.5:
+        kind = rng.choice(list(SIZES))
+        return piece | {kind: rng.uniform(*SIZES[kind])}
+    piece["at"][2] = 0
+    waves = rng.normal(0, [0.002, 150, 150, 150, 0, 3], (3, 6))
+    waves[:, 4] = rng.integers(0, 20, 3)
+    piece |= {"body": _profile(rng), "relief": tuple(map(tuple, waves))}
+    if rng.uniform() < 0.5:
+        piece["holes"] = tuple(_opening(rng) for _ in range(rng.integers(1, 9)))
+    return piece
+
+
+def _profile(rng: Generator) -> tuple:
+    """Sections of a body from foot to top: height, half breadth, front and back, m."""
+    count = rng.integers(3, 9)
+    height = np.sort(rng.uniform(0, rng.uniform(0.1, 0.28), count))
+    breadth = rng.uniform(0.03, 0.11) * np.exp(rng.normal(0, 0.25, count).cumsum())
+    reach = breadth * np.exp(rng.normal(0, 0.2, (2, 1)))
+    sides = np.clip([breadth, *reach], 0.012, 0.13)
+    sections = np.transpose([height, *sides])
+    return (*map(tuple, sections), (height[-1] + 0.01, 0, 0, 0))
+
+
+def _opening(rng: Generator) -> tuple:
+    """An opening of a body, as ``objects.yml`` states those of the helmet."""
+    middle = rng.uniform([0, 0.02], [0.08, 0.24])
+    half = np.exp(rng.uniform([-5.8, -5.3], [-3.5, -3.2]))
+    return (*middle, *half, *rng.choice([2, 4], 2), rng.normal(0, 0.2))

@@ -1,0 +1,58 @@
+"""Rendered still lifes: the phases of a scan, and the noise of the captures."""
+
+import numpy as np
+import pytest
+from numpy.random import default_rng
+from pytest import approx
+
+pytest.importorskip("embreex")
+
+from cmtof.constants import FREQUENCIES
+from cmtof.correlation import centred, phase_from_depth
+from cmtof_book import rendered_stills
+from cmtof_lab.objects import still_life
+from cmtof_lab.rehearsal import scan_scene
+from cmtof_lab.settings import NOISE, TwinSettings
+from cmtof_lab.targets import MeshTarget
+
+
+@pytest.fixture(scope="module")
+def scene():
+    rng = default_rng(4)
+    return still_life([rendered_stills.made_up_thing(rng) for _ in range(2)], rng)
+
+
+def test_a_rendered_scene_has_phases_and_range_of_a_scan_without_noise(scene):
+    mesh, view = scene
+    phasor, reach = rendered_stills.rendered_scene(mesh, view, 12, seed=3)
+    real = TwinSettings()
+    kept = ("divergence", "exit_radius", "pressure", "speckle")
+    settings = TwinSettings.ideal(**{name: getattr(real, name) for name in kept})
+    target = MeshTarget.from_mesh(mesh)
+    scan = scan_scene(settings, target, size=12, field_of_view=view, seed=3)
+    # the mirrors' steps move the beam, on slopes by some micrometres
+    off = centred(np.angle(phasor) - scan.phase)
+    assert np.median(np.abs(off)) < 0.03
+    assert np.abs(np.median(off, axis=(1, 2))).max() < 0.01
+    assert reach == approx(scan.dataset["depth"].to_numpy())
+
+
+def test_the_noise_is_that_of_the_captures_and_shared_by_neighbours():
+    bright = np.full((2, 300, 300), 1e-3 + 0j)
+    turn = np.angle(rendered_stills.with_noise(bright, default_rng(1)))
+    # five deviations of 90,000 correlated pixels
+    level = NOISE["captures"]["phase_noise"]
+    assert turn.std((1, 2)) == approx(level, rel=5 / 400)
+    both = (turn[..., 1:] * turn[..., :-1]).mean((1, 2)) / turn.var((1, 2))
+    assert both == approx([NOISE["captures"]["grain"]] * 2, abs=5 / 300)
+
+
+def test_labels_are_the_wraps_that_turn_phases_into_ranges():
+    still = rendered_stills.rendered_still(1, 24)
+    wraps, depth = (still.dataset[key].to_numpy() for key in ("wraps", "labels"))
+    known = wraps >= 0
+    assert known.mean() > 0.9
+    turns = phase_from_depth(depth, FREQUENCIES[0]) / (2 * np.pi)
+    assert (turns - still.phase[0] / (2 * np.pi))[known] == approx(wraps[known])
+    beat = centred(still.phase[1] - phase_from_depth(depth, FREQUENCIES[1]))
+    assert np.median(np.abs(beat)) < 0.4
