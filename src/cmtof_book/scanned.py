@@ -274,7 +274,8 @@ def trained_leg(
         trained = load_weights(start)
         model = trained.network.model
         trained.network.model = model._replace(depth_weight=DEPTH_WEIGHT)
-        examples = [example(number, group) for number in numbers]
+        # one by one: only what is learnt from them stays in memory
+        examples = (example(number, group) for number in numbers)
         torch.set_num_threads(1)
         # without a cache, which would keep the first step's weights for the whole block
         with torch.autocast("cpu", torch.bfloat16, cache_enabled=False):

@@ -1,6 +1,6 @@
 """Fine-tuning of a trained network on labelled measurements of an instrument (Sec. 6.4)."""
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Iterable
 from copy import deepcopy
 
 import numpy as np
@@ -34,7 +34,7 @@ Example = tuple[Measurement, Numbers, Array]
 
 def fine_tune(
     trained: weights.Trained,
-    examples: Sequence[Example],
+    examples: Iterable[Example],
     *,
     steps: int = 200,
     learning_rate: float = 1e-4,
@@ -94,18 +94,18 @@ def _tune(
     return average.eval(), losses
 
 
-def _views(trained: weights.Trained, examples: Sequence[Example]) -> list[tuple]:
+def _views(trained: weights.Trained, examples: Iterable[Example]) -> list[tuple]:
     """Examples with at least one label, as `_view` makes them; a ValueError if there is none."""
     views = [_view(trained, *example) for example in examples]
-    views = [view for view in views if (view[1] != IGNORED).any()]
-    if not views:
+    known = [view for view in views if (view[1] != IGNORED).any()]
+    if not known:
         first = trained.card.first_wrap
         raise ValueError(
             f"Expected labels among the wraps {first} to "
-            f"{first + trained.card.classes - 1}, got none in {len(examples)} measurements. "
+            f"{first + trained.card.classes - 1}, got none in {len(views)} measurements. "
             "Choose other weights."
         )
-    return views
+    return known
 
 
 def _view(
