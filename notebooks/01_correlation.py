@@ -247,11 +247,11 @@ notes.table(
 # %% tags=["hide-input"]
 notes.say(
     """
-    Two modulators of 50 % contrast, which the paper calls high, give a correlation contrast of
-    {contrast_weak:.3f}, {contrast_fifth:.1f} times less than Eq. 8 assumes. At η = π/4 it is
-    {contrast_strong:.3f}, slightly more than in Eq. 8. The noise of the paper's simulation, which
-    this book adopts, is therefore that of an instrument with a *strong* drive
-    ([erratum 6](22_errata.ipynb#erratum-6)).
+    Two modulators of 50 % contrast, above which the paper states its own, give a correlation
+    contrast of {contrast_weak:.3f}, {contrast_fifth:.1f} times less than Eq. 8 assumes. At η = π/4
+    it is {contrast_strong:.3f}, slightly more than in Eq. 8. The noise of the paper's simulation,
+    which this book adopts, is therefore that of an instrument with a *strong* drive ([erratum
+    6](22_errata.ipynb#erratum-6)).
     """,
     contrast_weak=contrasts[weak_name],
     contrast_fifth=contrasts[eq8] / contrasts[weak_name],

@@ -474,8 +474,8 @@ notes.table(["error", "single, depth", "doubled, depth", "doubled, leak"], rows)
 #
 # Paper Fig. 8 was measured. The simulated [instrument](13_instrument.ipynb), with leaking
 # splitters, is observed with a first-order detector of 12 GHz. Its drive is assumed to be η = π/4,
-# because at this chapter's 0.26, the paper's 50 % contrast, the doubled signal is too weak for a
-# scan. The harmonics over their mean do not depend on the laser's power:
+# because at this chapter's 0.26, the lower end of the paper's contrast of over 50 %, the doubled
+# signal is too weak for a scan. The harmonics over their mean do not depend on the laser's power:
 #
 # $$m_1 = \frac{2 J_1(2\eta)\,|\sin 8\theta_h|}{1 + J_0(2\eta)\cos 8\theta_h},\qquad
 #   m_2 = \frac{2 J_2(2\eta)\,|\cos 8\theta_h|}{1 + J_0(2\eta)\cos 8\theta_h}.$$
@@ -530,7 +530,7 @@ plotting.save(
 notes.say(
     """
     At 22.5° $m_1$ vanishes and $m_2$ is largest. A drive of {half_power:.1f} dBm would give η =
-    0.26, the paper's 50 % contrast.
+    0.26, the lower end of the paper's contrast of over 50 %.
     """,
     half_power=half_power,
 )

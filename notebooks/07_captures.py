@@ -240,7 +240,8 @@ plotting.save(
     f"{fit_window}×{fit_window} pixels; white lines enclose the wall. Below: its distribution on "
     "the wall, and as lines that of white noise of equal size.",
     alt="Noise maps, dark on the wall and bright along outlines, above bell-shaped histograms near "
-    "a tenth of a radian that follow the drawn laws.",
+    "a tenth of a radian. Two follow the drawn laws; curlyhair1, whose neighbours share noise, is "
+    "broader.",
     format="png",
 )
 
@@ -424,7 +425,8 @@ plotting.save(
     caption=f"Spectra of the noise on the wall ({source}, dots), those of simulated line noise "
     "(lines), and the range (5 to 95 %) of simulated white noise (grey). White noise is level; "
     "noise that neighbours share falls with the frequency.",
-    alt="Dots of each scan on lines that fall with the frequency, beside a level band.",
+    alt="Dots of each scan, lines and a band: curlyhair1 falls with the frequency, the others are "
+    "level.",
 )
 
 

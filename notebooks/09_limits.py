@@ -156,8 +156,9 @@ print(
 
 # %% [markdown]
 # The step from `reference-offset` to `reference-contact` is the gain from connections across
-# creases: the offset of a chair follows from the floor that it stands on. An unknown tilt costs
-# little, since a surface with enough pixels for its wrap has enough for its slope.
+# creases: the offset of a chair follows from the floor that it stands on. The references do not use
+# what the rays of a known camera tell of a plane. `surfaces` does, and exceeds `reference-offset`
+# where that counts, in the full protocol ([chapter 11](11_surfaces.ipynb)).
 #
 # ## Steep surfaces
 #

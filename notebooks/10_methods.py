@@ -145,10 +145,9 @@ draw("fig10_others", OTHERS, "Other methods, and references.", folded=True)
 # 2018](../book/references.bib#su2018)) and Rapid ([Zhang et al.
 # 2019](../book/references.bib#zhang2019)), whose network is DeepLabV3+ ([Chen et al.
 # 2018](../book/references.bib#chen2018)). The paper says only of Deep-ToF that it reads raw
-# correlations; here all of these networks do, since Rapid learnt nothing from wrapped phases
-# ([chapter 8](08_network.ipynb)). The random field takes its two-frequency term from [Valadão and
-# Bioucas-Dias 2009](../book/references.bib#valadao2009), its solvers from [Hirschmüller
-# 2008](../book/references.bib#hirschmuller2008) and [Bioucas-Dias and Valadão
+# correlations; here all of these networks do. The random field takes its two-frequency term from
+# [Valadão and Bioucas-Dias 2009](../book/references.bib#valadao2009), its solvers from
+# [Hirschmüller 2008](../book/references.bib#hirschmuller2008) and [Bioucas-Dias and Valadão
 # 2007](../book/references.bib#bioucas2007); averages stop at edges as in [He et al.
 # 2013](../book/references.bib#he2013).
 
@@ -263,8 +262,8 @@ plotting.save(
     caption="Share of pixels in the right wrap, simulated, released protocol, σ = 1200, 32 test "
     "frames at the paper's image size; bars, 95 % over scenes. Networks trained far less than the "
     "paper's.",
-    alt="Dots on a scale, best on top: references and our own method far to the right, random "
-    "fields and regions in the middle, the pixelwise methods and the trivial answers at the left.",
+    alt="Dots on a scale, best on top: our own method and the hybrid far to the right, networks "
+    "and the averaged beat in the middle, pixelwise methods and the middle wrap at the left.",
 )
 
 # %% [markdown]

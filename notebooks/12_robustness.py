@@ -282,7 +282,9 @@ plotting.save(
 # %% [markdown]
 # The paper's network is right in 51.6 % without and 51.0 % with an offset. If its answers came from
 # the beat, with the (symmetric) errors of its own table, 27 % would remain for 0.01 rad on f₂ and
-# 8 % on f₁. Its right answers rest on shapes and likely depths, or it was trained with offsets.
+# 8 % on f₁. Its right answers rest on shapes and likely depths, or it was
+# trained with offsets. Our `surfaces`, which finds the offset itself, keeps its wraps at some
+# offsets and loses a third of them at others.
 #
 # ## More noise, or less light
 #
@@ -326,9 +328,9 @@ plotting.save(
 # \mathrm{rms} = \sqrt{2/45}\;\tan^2 t\;e ,
 # \tag{12.2}$$
 #
-# 1.4 mm for one wrap over 60°. So `surfaces` finds whole wraps by shape, and by all planes of one
-# frame the offset itself ([chapter 11](11_surfaces.ipynb)). A target of known range gives both
-# offsets directly.
+# 1.5 mm for one wrap over 60° (exactly 1.1 mm). So `surfaces` finds whole wraps by shape, and by
+# all planes of one frame the offset itself ([chapter 11](11_surfaces.ipynb)). A target of known
+# range gives both offsets directly.
 #
 # ## Other frequencies
 #
@@ -541,7 +543,8 @@ plotting.save(
     "Against the beat of a pair, each at its own range c/2Δ. (b) One tone of each mode at equal "
     "noise, for a range of 7.49 m; white: two wraps cannot be distinguished.",
     alt="Left, falling lines of pixels over beat on logarithmic scales. Right, a map: on the "
-    "diagonal of equal drives the pixels run to infinity, towards the far corners they fall.",
+    "diagonal of equal drives the pixels run to infinity; away from it they fall, and rise again "
+    "in patches where the beat repeats within the range.",
 )
 
 # %% [markdown]

@@ -335,19 +335,20 @@ for mode, one in here.items():
 # rad at 7.15 GHz. The *captures' noise* is therefore a second case beside this *photon limit*: the
 # phase between both drives fluctuates from step to step, in part correlated with the point before.
 # Its level and grain, 0.117 rad a point and a correlation of 0.17, are means over three published
-# scans. At 14.32 GHz the same value in radians is assumed (a jitter in time would double it). In a
-# rig file it is `twin: {phase_noise: [0.117, 0.117], grain: 0.167}`.
+# scans, of which one has 0.45 and two hardly any. At 14.32 GHz the same value in radians is assumed
+# (a jitter in time would double it). In a rig file it is
+# `twin: {phase_noise: [0.117, 0.117], grain: 0.167}`.
 #
 # ## Differences from the paper
 #
 # Every setting of the simulation has its source; none was fitted to the paper's results. The RC
 # constant is 20 µs; the paper's 0.1 s would damp the sweep of ψ 47 times. The converter has the 16
 # bits of the T7's stream, not 14. The drive is η = π/4, not the 0.26 of the chapters on light
-# ([chapter 4](04_modulator.ipynb)), the paper's 50 % contrast: at 0.26 the doubled mode has 2 % of
-# the single mode's signal, too little for a scan. Drive amplitude, laser power, aperture, avalanche
-# gain and back-reflection are not stated in the paper and are assumed. Not verified in a
-# manufacturer's document: noise, gain and excess of the detector, the order of the filter EF120,
-# reflectances and extinction ratios, and every error of the RF drivers.
+# ([chapter 4](04_modulator.ipynb)), the least contrast that the paper states: at 0.26 the doubled
+# mode has 2 % of the single mode's signal, too little for a scan. Drive amplitude, laser power,
+# aperture, avalanche gain and back-reflection are not stated in the paper and are assumed. Not
+# verified in a manufacturer's document: noise, gain and excess of the detector, the order of the
+# filter EF120, reflectances and extinction ratios, and every error of the RF drivers.
 
 # %% tags=["hide-input"]
 paper.check_all(

@@ -165,13 +165,14 @@ plotting.save(
     "fig13_precision_sweep",
     caption=f"Errors over a sweep of 1 mm at {100 * distance:.0f} cm, three simulated instruments "
     "(the paper's are measured), before a mirror (a) and a diffuse plate (b). Lines: the median "
-    "day with plausible sizes of all errors, with photon noise alone; bands: 95 % of the days. "
+    "day with plausible sizes of all errors; bands: 95 % of the days. The first position is the "
+    "zero of the interferometer. "
     "Dashed: the all-optical one with the phase noise of the published captures, which does not "
     "affect fringe counting.",
     alt="Two panels of errors on a logarithmic axis. All-optical errors are about ten micrometres "
-    "before both targets, half a millimetre with the captures' noise. RF does as well before the "
-    "mirror and errs by millimetres before the plate. The interferometer errs by a tenth of a "
-    "micrometre.",
+    "before the mirror and twenty before the plate, 0.3 millimetres with the captures' noise. RF "
+    "does as well before the mirror and errs by millimetres before the plate. The interferometer "
+    "errs by a tenth of a micrometre.",
 )
 
 # %% [markdown]
@@ -318,7 +319,7 @@ plotting.save(
     figure,
     "table4_offset_and_scatter",
     caption="Constant offset and scatter of each sweep. Dots: simulated days with plausible errors "
-    "and photon noise alone; crosses: with the captures' noise added; diamonds: from the paper's "
+    "alone; crosses: with the captures' noise added; diamonds: from the paper's "
     "RMSE and MAE; triangles: where these are equal, the upper bound of the scatter. Grey: equal "
     "parts, and a phase without signal.",
     alt="Scatter against offset on logarithmic axes, mirror and plate. All-optical days have some "
@@ -328,12 +329,13 @@ plotting.save(
 )
 
 # %% [markdown]
-# - **All-optical**: the paper's scatter and offset lie among the simulated days with photon noise
-#   alone, which spread too widely to decide. With the captures' noise one reading scatters far
-#   more: either the paper averaged, which it does not state, or its sweep was quieter than those
-#   scans.
-# - **RF, plate**: 11.8 mm of offset is more than half a wrap, 10.5 mm, so it is not noise. Equal
-#   errors come from a phase that does not follow the target, in a wrong wrap.
+# - **All-optical**: the paper's scatter and offset lie among the simulated days without the
+#   captures' noise, which spread too widely to decide. With the captures' noise one reading
+#   scatters far more: either the paper averaged, which it does not state, or its sweep was quieter
+#   than those scans.
+# - **RF, plate**: 11.8 mm of offset is more than half a wrap, 10.5 mm. A random phase gives an RMSE
+#   of that size, but then a smaller MAE. Equal errors come from a phase that does not follow the
+#   target, in a wrong wrap.
 # - **Interferometer**: a constant error of tens of fringes, which counting does not cause.
 #
 # Erratum 15 in [chapter 22](22_errata.ipynb) has the arithmetic,
@@ -389,7 +391,8 @@ plotting.save(
     },
     caption="SNR of a simulated phase reading in 13.3 ms, photon and electronic noise alone, "
     "against the light collected. Dotted: plate and mirror. Below an SNR of 1 the phase "
-    "is nearly random.",
+    "is nearly random. The small photodiode of RF sees less than half of the plate's light, so its "
+    "SNR there is lower than its line.",
     alt="A log-log plot. The RF line climbs two decades a decade, the all-optical line one until "
     "the grey filter holds it; they cross near a microwatt. At the plate's two nanowatts the "
     "all-optical SNR is half a million and that of RF below one.",
@@ -507,10 +510,10 @@ notes.say(
 notes.answer(
     """
     **Answer.** On {repeats} days the all-optical one has RMS errors of {low:.0f} to {high:.0f} µm
-    (95 %) on a mirror at the photon limit; the paper's is 33.5 µm. RF demodulation is as good there
-    but fails on the diffuse plate ({plate:.1f} mm). With the phase noise of the published captures
-    the all-optical one has {rough_low:.0f} to {rough_high:.0f} µm; {needed:.0f} readings a position
-    give 33.5 µm.
+    (95 %) on a mirror without the captures' noise; the paper's is 33.5 µm. RF demodulation is as
+    good there but fails on the diffuse plate ({plate:.1f} mm). With the phase noise of the
+    published captures the all-optical one has {rough_low:.0f} to {rough_high:.0f} µm; {needed:.0f}
+    readings a position give 33.5 µm.
     """,
     repeats=repeats,
     low=ends_of["plausible"][0],
@@ -541,7 +544,7 @@ judged |= {
 def both(days):
     """Median day and 95 % of days, in both cases of the noise."""
     cases = {
-        "plausible": "with photon noise alone",
+        "plausible": "without the captures' noise",
         "captures": "with the noise of published captures",
     }
     return {

@@ -222,7 +222,8 @@ live.show(f'<div data-play="distance" data-numbers="{escape(held)}"></div>')
 # ## Error sizes that would explain the paper
 #
 # Every term is linear in its size, so the closed forms give the size that alone causes 33.5 µm of
-# constant error, or 7.5 µm of scatter. A cyclic error is taken at its maximum.
+# constant error, or the stated 7.5 µm of scatter, which Table 4 contradicts
+# ([erratum 24](22_errata.ipynb#erratum-24)). A cyclic error is taken at its maximum.
 
 # %% tags=["hide-input"]
 wanted = paper.published_number("fig13.accuracy").value

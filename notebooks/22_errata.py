@@ -211,9 +211,9 @@ holds[8] = depths[1] < depths[0] and light > 3
 # ### 17 · Tables and text
 # The fall from 51.6 to 42.7 % is called «minor», but is 17 % of the right pixels. All learned
 # baselines are said to have more outliers than KDE, but Deep-ToF has fewer. Rapid is called «next
-# best», but Deep-ToF is better in three of four columns. Wrong references: prototype «Fig. 2» (6),
-# precision «Tab. 2» (4), noise «Section 3» (5.3), «KDE [Zhang]» (Lawin) in Fig. 10,
-# «digital-to-analog» in Fig. 3.
+# best», but Deep-ToF is better in three of the four columns that differ. Wrong references:
+# prototype «Fig. 2» (6), precision «Tab. 2» (4), noise «Section 3» (5.3), «KDE [Zhang]» (Lawin) in
+# Fig. 10, «digital-to-analog» in Fig. 3.
 #
 # ### 22 · Phasor imaging's frequencies
 # 7.15 and 7.16 GHz are called optimal within the band; within its «± 10 MHz», 7.14 and 7.16 GHz
