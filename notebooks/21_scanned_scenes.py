@@ -420,7 +420,7 @@ for name in objects:
         f"fig16_{name}",
         caption=f"{name.capitalize()}: {ABOUT[name]}, simulated scan of {size} × {size} points "
         "with the phase noise of the published captures. (c) Depth by the paper's network "
-        f"`fast-scnn`, trained on rooms and still lifes and fine-tuned on {labelled} scans of other "
+        f"`fast-scnn`, trained on rooms and still lifes, fine-tuned on {labelled} scans of other "
         "objects, with the share of right wraps in this scan, and (d) its error.",
         alt=f"A rendering of the {name}, its true range, that by the network with "
         f"{right[name, 'tuned']:.0f} percent right wraps, and a map of the errors.",
