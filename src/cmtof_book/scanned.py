@@ -79,7 +79,7 @@ CURVE = (1, 3, 10, 40, 136, 300)  # labelled scans whose worth is compared
 VALIDATED = 9  # scans of held-out things
 
 # Labelled scans, and metres between the cameras: side by side they see what the beam sees.
-LABELS = {"labelled": 136, "baseline": 0.06}
+LABELS = {"labelled": 40, "baseline": 0.06}
 # Legs of training on rendered still lifes, before any scan, and how many more of them each has.
 LEGS = 4
 STILLS = 400
@@ -94,6 +94,7 @@ TUNED_ROWS = {
 # Options of `cmtof.network.tuning.fine_tune`, on scans and on rendered still lifes.
 TUNING: Values = {"steps": 600, "learning_rate": 5e-4, "crop": 192, "batch": 2}
 LEARNING: Values = TUNING | {"steps": 2500}
+TUNING_AFTER: Values = TUNING | {"learning_rate": 2e-4}  # what still lifes have taught
 
 DEPTH_WEIGHT = 0.005  # weight of the distance in depth, 1/mm, as where the network was trained last
 
@@ -254,7 +255,8 @@ def rendered_weights(legs: int) -> Path:
 def tuned_weights(scans: int, legs: int = 0) -> Path:
     """Weights tuned on labelled scans, after legs on rendered still lifes."""
     start = rendered_weights(legs)
-    return trained_leg(f"tuned_{scans}_{legs}", start, range(scans), 0, TUNING, 1)
+    options = TUNING_AFTER if legs else TUNING
+    return trained_leg(f"tuned_{scans}_{legs}", start, range(scans), 0, options, 1)
 
 
 def trained_leg(
@@ -381,7 +383,7 @@ def main() -> None:
         command="python -m cmtof_book.scanned",
         version=__version__,
         settings={"size": SIZE, "seeds": SEEDS, "rendered": LEGS * STILLS} | LABELS,
-        legs=[TUNING, LEARNING],
+        legs=[TUNING, LEARNING, TUNING_AFTER],
         weights=read_card(best).sha256,
     )
     rows: Rows = {name: {} for name in (*METHODS, *TOLD) if name != "phasor"}
