@@ -7,6 +7,7 @@ one, and tell the true wraps, so that there can be as many as a network needs.
 import numpy as np
 from numpy.random import Generator, default_rng
 from trimesh import Trimesh
+from xarray import Dataset
 
 from cmtof.constants import FREQUENCIES, FREQUENCY_SINGLE
 from cmtof.correlation import (
@@ -18,7 +19,8 @@ from cmtof.correlation import (
 )
 from cmtof.hardware.plan import plan_scan
 from cmtof.measurement import Measurement
-from cmtof.types import Array, Complex, Fields
+from cmtof.types import Array, Complex, Fields, Numbers
+from cmtof_lab.instrument import correlated
 from cmtof_lab.objects import still_life
 from cmtof_lab.optics import trace
 from cmtof_lab.rehearsal import rig_of
@@ -51,8 +53,13 @@ def rendered_still(number: int, size: int) -> Measurement:
     depth = depth_from_wraps(phase[0], wraps, FREQUENCY_SINGLE)
     wraps[abs(depth - true) > MIXED] = -1
     still = Measurement.from_phase(phase, FREQUENCIES, amplitude=abs(seen))
+    return labelled(still.dataset, wraps, depth)
+
+
+def labelled(data: Dataset, wraps: Numbers, depth: Array) -> Measurement:
+    """Measurement with its wraps, -1 where unknown, and the depth that they give, m."""
     labels = {"wraps": (("y", "x"), wraps), "labels": (("y", "x"), depth)}
-    return Measurement(still.dataset.assign(labels))
+    return Measurement(data.assign(labels))
 
 
 def rendered_scene(
@@ -74,8 +81,7 @@ def with_noise(phasor: Complex, rng: Generator) -> Complex:
     captures = NOISE["captures"]
     dark = DARK * rng.standard_normal((2, *phasor.shape))
     own = rng.standard_normal(phasor.shape)
-    mix = np.arcsin(2 * captures["grain"]) / 2
-    turn = np.cos(mix) * own + np.sin(mix) * np.roll(own, 1, axis=-1)
+    turn = correlated(own, np.roll(own, 1, axis=-1), captures["grain"])
     turn *= np.reshape(captures["phase_noise"], (2, 1, 1))
     return (phasor + dark[0] + 1j * dark[1]) * np.exp(1j * turn)
 
@@ -99,21 +105,21 @@ def _piece(rng: Generator) -> Fields:
     piece["at"][2] = 0
     waves = rng.normal(0, [0.002, 150, 150, 150, 0, 3], (3, 6))
     waves[:, 4] = rng.integers(0, 20, 3)
-    piece |= {"body": _profile(rng), "relief": tuple(map(tuple, waves))}
+    piece |= {"body": _profile(rng), "relief": waves}
     if rng.uniform() < 0.5:
-        piece["holes"] = tuple(_opening(rng) for _ in range(rng.integers(1, 9)))
+        piece["holes"] = [_opening(rng) for _ in range(rng.integers(1, 9))]
     return piece
 
 
-def _profile(rng: Generator) -> tuple:
+def _profile(rng: Generator) -> Array:
     """Sections of a body from foot to top: height, half breadth, front and back, m."""
     count = rng.integers(3, 9)
     height = np.sort(rng.uniform(0, rng.uniform(0.1, 0.28), count))
     breadth = rng.uniform(0.03, 0.11) * np.exp(rng.normal(0, 0.25, count).cumsum())
     reach = breadth * np.exp(rng.normal(0, 0.2, (2, 1)))
     sides = np.clip([breadth, *reach], 0.012, 0.13)
-    sections = np.transpose([height, *sides])
-    return (*map(tuple, sections), (height[-1] + 0.01, 0, 0, 0))
+    tip = [height[-1] + 0.01, 0, 0, 0]
+    return np.vstack([np.transpose([height, *sides]), tip])
 
 
 def _opening(rng: Generator) -> tuple:

@@ -29,7 +29,7 @@ from cmtof.simulation import QUADRATURES, RELEASED_WRAPS
 from cmtof.types import Array, Numbers
 from cmtof_book import RESULTS, Values
 from cmtof_book.provenance import read_json, write_json
-from cmtof_book.rendered_stills import rendered_still
+from cmtof_book.rendered_stills import labelled, rendered_still
 from cmtof_lab.objects import FIELD_OF_VIEW, OBJECTS, TRAINING, still_life
 from cmtof_lab.optics import directions_from_angles
 from cmtof_lab.rehearsal import scan_scene
@@ -239,8 +239,7 @@ def labelled_scan(number: int, group: int) -> Measurement:
     rng = np.random.default_rng(number)
     spots = stereo.scan_spots(frame_of(target, scan), rig, rng=rng)
     found = stereo.truth_from_spots(spots, rig, phase=scan.phase[0])
-    labels = {"wraps": (("y", "x"), found.wraps), "labels": (("y", "x"), found.depth)}
-    return Measurement(scan.dataset.drop_vars("raw_counts").assign(labels))
+    return labelled(scan.dataset.drop_vars("raw_counts"), found.wraps, found.depth)
 
 
 def rendered_weights(legs: int) -> Path:

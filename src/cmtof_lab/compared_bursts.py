@@ -33,7 +33,7 @@ def quadratures(
     The emission's phase turns both the light and what the drive's own cable picks up.
     """
     drive = panel.emission
-    size = abs(amplitude(instrument.settings, drive.power, drive.frequency)) * drive.on
+    size = abs(amplitude(instrument.settings, drive))
     ranger = RfRanger(settings=replace(instrument.settings, eta=size), time=1 / rate)
     place = instrument.target_distance(panel.stage)
     light = (
@@ -43,7 +43,7 @@ def quadratures(
     )
     mixed, picked_up = ranger.offsets
     turning = ranger.phasor(light, place) + picked_up * drive.on
-    turning = turning * np.exp(1j * instrument.made_phase(0, np.array(drive.phase)))
+    turning *= np.exp(1j * instrument.made_phase(0, np.array(drive.phase)))
     normals = normals_by_key(instrument.seed, QUADRATURES, labels, 2 * scans)
     noise = ranger.noise(light)[:, None] * normals.view(complex)
     return counts_from_volts(
@@ -77,5 +77,5 @@ def _brightness(
     """Light on the target (N,) over its mean while the fibre drifts; 0 where none passes."""
     settings = instrument.settings
     mean = settings.laser_power * settings.fibre
-    passed = instrument.from_fibre(panel, BURST_INTERVAL * labels)
-    return panel.target_in_beam * passed / mean
+    light = instrument.from_fibre(panel, BURST_INTERVAL * labels)
+    return panel.target_in_beam * light / mean

@@ -49,10 +49,10 @@ class Chain:
         transition, entry = cont2discrete(system, interval)[:2]  # pyright: ignore[reportIndexIssue]
         # covariance under a one-sided density of 1 for ever, two-sided 1/2
         settled = solve_continuous_lyapunov(matrix, -0.5 * push @ push.T)
-        added = settled - transition @ settled @ transition.T  # pyright: ignore[reportAttributeAccessIssue]
+        kept = transition @ settled @ transition.T  # pyright: ignore[reportAttributeAccessIssue]
         self.transition = np.tril(transition)
         self.entry = entry[:, 0]  # pyright: ignore[reportArgumentType, reportCallIssue, reportIndexIssue]
-        self.root = root_of(added)
+        self.root = root_of(settled - kept)
         self.settled = root_of(settled)
 
     def memory(self, count: int) -> Array:
@@ -79,13 +79,13 @@ class Chain:
         outputs = []
         for i, row in enumerate(self.transition):
             into = push[..., i] + sum(map(np.multiply, outputs, row))
-            filtered, _ = lfilter(
+            filtered = lfilter(
                 [0.0, 1.0],
                 [1.0, -row[i]],
                 into,
                 zi=state[:, i : i + 1],
             )
-            outputs.append(filtered)
+            outputs.append(filtered[0])
         return outputs[-1]
 
 

@@ -37,6 +37,11 @@ PALE = 0.8
 FEATHER = 0.0135
 
 
+def by_name(table: str, stated: Any) -> Any:
+    """What a table of the catalogue holds by a name; what is no name stands for itself."""
+    return CATALOGUE[table].get(stated, stated) if isinstance(stated, str) else stated
+
+
 def bump(off: Array, width: float) -> Array:
     """A Gaussian bump."""
     return exp(-((off / width) ** 2))
@@ -49,7 +54,7 @@ def mix(dark: ArrayLike, pale: float, share: ArrayLike) -> Array:
 
 def relief(stated: Any, x: Array, y: Array, z: Array) -> Array:
     """A relief: a sum of waves, or its name in the catalogue, or a function of this module."""
-    waves = CATALOGUE["waves"].get(stated, stated)
+    waves = by_name("waves", stated)
     if isinstance(waves, str):
         return globals()[waves](x, y, z)
     turn = arctan2(x, -y)

@@ -77,6 +77,12 @@ def normals_by_key(seed: int, purpose: int, keys: Numbers, count: int) -> Array:
     )
 
 
+def correlated(own: Array, before: Array, grain: float) -> Array:
+    """Normals, each correlated by ``grain`` with the next, of white ones and the ones before."""
+    mix = np.arcsin(2 * grain) / 2  # cos sin of it is the correlation
+    return np.cos(mix) * own + np.sin(mix) * before
+
+
 def drift(seed: int, channel: int, time: ArrayLike) -> Array:
     """Drift in [-1, 1] at times (...), s, 1/f in spectrum: ten equal sinusoids, one an octave."""
     rng = keyed_generator(seed, DRIFT, channel)
@@ -105,7 +111,7 @@ class Panel:
     detection: RfKnobs = field(default_factory=RfKnobs)
     plate_emission: float = 0.0
     plate_detection: float = 0.0
-    stage: float = 0.0
+    stage: Any = 0.0  # of the target: one position, or one for each burst
     galvo_volts: list[float] = field(default_factory=lambda: [0.0, 0.0])
     laser_on: bool = False
     shutter_open: bool = False
@@ -129,7 +135,6 @@ class SimulatedInstrument:
         self.scene = scene_from(settings.scene if scene is None else scene) or Plane(
             np.nan
         )
-        self.group_index = settings.group_index
         self.modulator = TwoPassModulator(
             half_wave_angle=0,
             input_axis="horizontal",  # the incident polarisation is that of Sec. 7.1
@@ -152,35 +157,34 @@ class SimulatedInstrument:
         labels: ArrayLike,
         pulses: Numbers,
         rate: float = SAMPLE_RATE,
-        stage: ArrayLike | None = None,
     ) -> Counts:
         """Raw stream counts (N, T) of a burst for each of N optical angles (N, 2), rad.
 
-        ``stage`` (N,), m, is the target's, ``labels`` (N,) number the bursts, and ``pulses`` (T,)
-        are the trigger's last edge at each sample, at ``rate``, Hz; galvo and time do not count.
+        ``labels`` (N,) number the bursts, and ``pulses`` (T,) are the trigger's last edge at each
+        sample, at ``rate``, Hz; the panel's galvo and time do not count.
         """
         points = np.reshape(angles, (-1, 2))
         numbers = np.asarray(labels)
-        places = np.broadcast_to(panel.stage if stage is None else stage, len(points))
         # the drives are constant in stretches between edges
         first = np.flatnonzero(np.diff(pulses, prepend=pulses[0] - 1))
         length = np.diff(first, append=len(pulses))
         times = BURST_INTERVAL * numbers[:, None] + (first + length / 2) / rate
         light = self._light(
             panel,
-            self._paths(panel, points, places),
+            self._paths(panel, points),
             times,
             self._waveforms(panel, pulses[first]),
             numbers,
         )
         return self.counts(np.repeat(light, length, axis=1), numbers, rate)
 
-    def _paths(self, panel: Panel, angles: Array, stage: Array) -> Array:
+    def _paths(self, panel: Panel, angles: Array) -> Array:
         """Ranges and shares (2, N, M) of the ways to scene or reference, the stray one last."""
         settings = self.settings
         ways = []
         if panel.target_in_beam:
-            for place in stage.tolist():  # the beam stands still behind the flip mirror
+            # the beam stands still behind the flip mirror
+            for place in np.broadcast_to(panel.stage, len(angles)).tolist():
                 target = replace(
                     settings.reference, distance=self.target_distance(place)
                 )
@@ -216,8 +220,8 @@ class SimulatedInstrument:
         orders = np.flatnonzero(size > 1e-13 * size[0])
         turned = products[:, orders] * np.exp(1j * np.multiply.outer(lag, orders))
         share = self._shares(panel.emission.frequency, paths, orders)
-        share = (turned * share[:, None]).sum(-1).real
-        share = share.clip(0.0) * (not panel.photodiode_lit)
+        share = (turned * share[:, None]).sum(-1).real.clip(0.0)
+        share *= not panel.photodiode_lit
         loss = outward(self.settings) * inward(self.settings)
         room = ambient(self.settings) * modules[1, :, 0].real
         return self.from_fibre(panel, times) * loss * share + room
@@ -228,16 +232,16 @@ class SimulatedInstrument:
         spread = STEP_NOISE * self.settings.phase_noise[mode] / (1 + mode)
         if not spread:
             return slow
-        keys, place = np.unique(np.append(labels, labels - 1), return_inverse=True)
-        made = normals_by_key(self.seed, JITTER, keys, times.shape[1])
-        own, before = np.split(made[place], 2)
-        mix = np.arcsin(2 * self.settings.grain) / 2  # cos sin of it is the correlation
-        return slow + spread * (np.cos(mix) * own + np.sin(mix) * before)
+        own, before = (
+            normals_by_key(self.seed, JITTER, keys, times.shape[1])
+            for keys in (labels, labels - 1)
+        )
+        return slow + spread * correlated(own, before, self.settings.grain)
 
     def _shares(self, frequency: float, paths: Array, orders: Numbers) -> Complex:
         """Light (N, O) that returns on all paths, as phasors of the harmonics (O,)."""
         reach, fraction = paths
-        way = self.group_index * reach + self.settings.internal_path
+        way = self.settings.group_index * reach + self.settings.internal_path
         phase = 2 * TAU * frequency / SPEED_OF_LIGHT * way
         phasors = np.exp(-1j * np.multiply.outer(phase, orders))
         return np.vecdot(fraction[:, None], phasors.swapaxes(1, 2))
@@ -247,14 +251,13 @@ class SimulatedInstrument:
         settings = self.settings
         samples = light.shape[1]
         volts = np.minimum(light * volts_per_watt(settings), settings.saturation)
-        filters = self._filters(rate)
         spread = np.sqrt(density(settings, volts))
         # a row: the filters' initial state, then for each sample the filters' noise and the ADC's
         size = POLES + (POLES + 1) * samples
         drawn = settings.noise * normals_by_key(self.seed, LABEL, labels, size)
         normals = np.insert(drawn, POLES, 0.0, axis=1)
         normals = normals.reshape(-1, samples + 1, POLES + 1)
-        output = filters.run(volts, spread, normals[..., :POLES])
+        output = self._filters(rate).run(volts, spread, normals[..., :POLES])
         output = output.clip(-settings.saturation, settings.saturation)
         return counts_from_volts(
             output, settings.converter_noise * normals[:, 1:, POLES]
@@ -272,8 +275,7 @@ class SimulatedInstrument:
             table = one.table if len(one.table) else [one.phase]
             phase = self.made_phase(number, np.take(table, edges, mode="wrap"))
             phase += number * settings.phase_offset
-            size = amplitude(settings, one.power, one.frequency) if one.on else 0.0
-            made.append(size * np.exp(-1j * phase))
+            made.append(amplitude(settings, one) * np.exp(-1j * phase))
         leak = settings.leakage * np.exp(-1j * settings.leakage_phase)
         return np.array(made) + leak * np.array(made[::-1])
 
@@ -288,15 +290,16 @@ class SimulatedInstrument:
             abs(drives),
             strict=True,
         ):
-            module = replace(
-                self.modulator, half_wave_angle=angle, frequency=one.frequency
-            )
-            found.append(
-                [
-                    _harmonics(replace(module, eta=eta), HARMONICS)
-                    for eta in size.tolist()
-                ]
-            )
+            modules = [
+                replace(
+                    self.modulator,
+                    half_wave_angle=angle,
+                    frequency=one.frequency,
+                    eta=eta,
+                )
+                for eta in size.tolist()
+            ]
+            found.append([_harmonics(module, HARMONICS) for module in modules])
         return turns * found  # pyright: ignore[reportReturnType]
 
     def made_phase(self, module: int, phase: Array) -> Array:
@@ -326,9 +329,9 @@ class SimulatedInstrument:
         return float(emitted * passed)
 
 
-def amplitude(settings: TwinSettings, power: float, frequency: float) -> complex:
+def amplitude(settings: TwinSettings, drive: RfKnobs) -> complex:
     """Complex drive amplitude, rad; a resonance of width G passes ``1 / (1 + 2i d / G)`` at d."""
-    offsets = np.array([settings.detuning, frequency - settings.resonance])
+    offsets = np.array([settings.detuning, drive.frequency - settings.resonance])
     stated, passed = 1 / (1 + 2j * offsets / settings.resonance_width)
-    drive = settings.eta * 10 ** ((power - settings.drive_power) / 20)
-    return drive * passed / abs(stated)
+    eta = settings.eta * 10 ** ((drive.power - settings.drive_power) / 20)
+    return drive.on * eta * passed / abs(stated)

@@ -124,11 +124,12 @@ class Interferometer(Ranger):
         offset = volts_per_watt(settings) * (self.arm_power + scene)
         # a mean over a step averages white noise over 1 / (2 T), unless the filters pass less
         passed = Chain(settings, 1 / SAMPLE_RATE).memory(1)[0]
-        variance = density(settings, offset) * min(
-            SAMPLE_RATE / (2 * self.samples), passed
+        bandwidth = min(SAMPLE_RATE / (2 * self.samples), passed)
+        variance = (
+            density(settings, offset) * bandwidth
+            + (settings.converter_noise * SLOPE) ** 2 / self.samples
+            + (self.intensity_noise * offset) ** 2
         )
-        variance += (settings.converter_noise * SLOPE) ** 2 / self.samples
-        variance += (self.intensity_noise * offset) ** 2
         return Fringes(amplitude, offset, variance * settings.noise)
 
     def day(self, target: Plane, positions: Array, rng: Generator) -> Array:
@@ -170,7 +171,7 @@ class Interferometer(Ranger):
     def _count_phase(self, way: Array, shown: Fringes, rng: Generator) -> Array:
         """Phase, rad, counted from reading to reading, from the plate's own, which is known."""
         noise = np.sqrt(2 * shown.variance / self.steps)
-        read = shown.amplitude * np.exp(4j * np.pi / self.wavelength * way)
+        read = shown.amplitude * np.exp(2j * TAU / self.wavelength * way)
         read += noise * circular_normals(rng, way.size)
         start = np.angle(shown.amplitude[0])
         return np.unwrap(np.append(start, np.angle(read)))[1:] - start

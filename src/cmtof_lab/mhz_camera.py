@@ -13,7 +13,6 @@ from dataclasses import dataclass
 
 import numpy as np
 from numpy.random import Generator
-from numpy.typing import ArrayLike
 from scipy.constants import c, h
 from scipy.ndimage import gaussian_filter
 
@@ -121,14 +120,11 @@ class MhzCamera:
 
         Direct, blurred, and scattered evenly from all of ``field``.
         """
-
-        pairs = zip(self._lights(view), self._lights(field), strict=True)
-        phasor, charge = (
+        return tuple(  # pyright: ignore[reportReturnType]
             (1 - self.veil) * gaussian_filter(own, self.blur, mode="nearest")
             + self.veil * every.mean()
-            for own, every in pairs
+            for own, every in zip(self._lights(view), self._lights(field), strict=True)
         )
-        return phasor, charge
 
     def _lights(self, view: RayEnds) -> Light:
         """Phasor of the direct light, and charge by all light, electrons of a step (H, W)."""
@@ -154,7 +150,7 @@ class MhzCamera:
         images = quantise(noisy + end, bits=self.bits, full_scale=2 * end) - end
         return np.where(np.maximum(a, b) < self.full_well, images, np.nan)
 
-    def depth(self, differences: ArrayLike) -> Arrays:
+    def depth(self, differences: Array) -> Arrays:
         """Range (H, W), m, and amplitude, electrons, of difference images (4, H, W).
 
         NaN where the amplitude lies within the noise of a dark pixel, or tap or converter are full.
@@ -163,7 +159,7 @@ class MhzCamera:
         depth = depth_from_phase(found.phase, self.frequency)
         lost = found.amplitude < np.sqrt(self.variance(0.0) * 2 / STEPS)
         end = self.full_scale * (1 - 2.0**-self.bits)
-        lost |= ~(np.abs(differences).max(0) < end)
+        lost |= ~(abs(differences).max(0) < end)
         return np.where(lost, np.nan, depth), found.amplitude
 
     def variance(self, charge: Array | float) -> Array | float:
@@ -180,7 +176,7 @@ class MhzCamera:
             )
         return depth_from_phase(spread, self.frequency)
 
-    def error(self, found: ArrayLike, truth: ArrayLike) -> Array:
+    def error(self, found: Array, truth: Array) -> Array:
         """Range less truth, m, modulo the wrap."""
-        off = phase_from_depth(np.subtract(found, truth), self.frequency)
+        off = phase_from_depth(found - truth, self.frequency)
         return depth_from_phase(centred(off), self.frequency)

@@ -85,7 +85,7 @@ def _pose(pieces: Iterable[Fields], x: float, many: bool, rng: Generator) -> Any
     foot[2] = mesh.bounds[0, 2]
     room = 0.15 - mesh.extents[1] / 2
     y = 0.01 + rng.uniform(-room, room) if room > 0 else 0
-    return mesh.apply_translation(np.subtract([x, y, 0], foot))
+    return mesh.apply_translation([x, y, 0] - foot)
 
 
 def _refinish(piece: Trimesh, rng: Generator) -> Trimesh:
@@ -173,8 +173,7 @@ def _finish(
 
 def _body(stated: Fields) -> Trimesh:
     """A smooth upright body by its profile, or by the name of one."""
-    named = stated["body"]
-    sections = np.array(CATALOGUE["profiles"].get(named, named), float)
+    sections = np.array(finishes.by_name("profiles", stated["body"]), float)
     return _lathe(sections * stated.get("scale", 1.0), stated)
 
 
@@ -224,7 +223,7 @@ def _lathe(sections: Array, stated: Fields) -> Trimesh:
     ring = np.hstack([number, number[:, :1]])
     corners = cells_of(ring)[..., [0, 3, 2, 1]].reshape(-1, 4)
     if "holes" in stated:
-        holes = CATALOGUE["openings"].get(stated["holes"], stated["holes"])
+        holes = finishes.by_name("openings", stated["holes"])
         opened = finishes.openings(holes, *points[corners].mean(1).T)
         corners = corners[~opened]
     return mesh_from(points, triangles_of(corners))

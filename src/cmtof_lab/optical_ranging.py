@@ -16,9 +16,9 @@ from numpy.random import Generator
 from numpy.typing import ArrayLike
 from scipy.signal import correlate
 
-from cmtof.correlation import TAU, decode, depth_from_phase
+from cmtof.correlation import TAU, depth_from_phase
 from cmtof.hardware.plan import BURST_INTERVAL
-from cmtof.hardware.ranging import range_errors
+from cmtof.hardware.ranging import range_errors, stepped_phases
 from cmtof.hardware.reduction import drive_phases, nominal_psi
 from cmtof.hardware.rig import MODES, PLATES, SAMPLE_RATE
 from cmtof.types import Array, Arrays, Counts, Pair
@@ -47,15 +47,13 @@ class OpticalRanger(PhaseRanger):
 
     def panel(self) -> Panel:
         """Knobs of the instrument while it ranges: mode set, table armed, target in the beam."""
-        rf = {
-            "on": True,
-            "frequency": self.frequency / MODES[self.mode],
-            "power": self.settings.drive_power,
-        }
+        drive = RfKnobs(
+            True, self.frequency / MODES[self.mode], self.settings.drive_power
+        )
         plate = np.deg2rad(PLATES[self.mode])
         return Panel(
-            RfKnobs(**rf),
-            RfKnobs(**rf, table=drive_phases(self.phases, self.mode)),
+            drive,
+            replace(drive, table=drive_phases(self.phases, self.mode)),
             plate,
             plate,
             laser_on=True,
@@ -75,18 +73,16 @@ class OpticalRanger(PhaseRanger):
     ) -> Counts:
         """Raw counts (P, K x N) of bursts with labels (P,) at stage positions (P,), m."""
         return instrument.bursts(
-            self.panel(),
+            replace(self.panel(), stage=positions + self.settings.stage_zero),
             np.zeros((positions.size, 2)),
             labels=labels,
             pulses=np.arange(self.phases * self.samples) // self.samples,
-            stage=positions + self.settings.stage_zero,
         )
 
     def phase(self, counts: ArrayLike) -> Array:
         """Wrapped phases (P,), rad, of raw counts (P, K x N)."""
         bursts = np.reshape(counts, (-1, self.phases, self.samples))
-        means = bursts[..., self.settle :].mean(-1).T
-        return decode(means, nominal_psi(self.phases)).phase
+        return stepped_phases(bursts[..., self.settle :].mean(-1))
 
     def day(self, target: Plane, positions: Array, rng: Generator) -> Array:
         """Estimated ranges (P,), m, of one sweep, unwrapped to the known wrap."""

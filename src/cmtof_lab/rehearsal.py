@@ -39,7 +39,7 @@ def simulated_bench(
     about = {
         "source": "simulated instrument",
         "seed": seed,
-        "group_index": instrument.group_index,
+        "group_index": settings.group_index,
         "twin": settings.as_dict(),
     }
     if isinstance(scene, str | Path):

@@ -96,11 +96,15 @@ class RfRanger(PhaseRanger):
             (self.amplifier_gain - self.filter_loss - self.conversion_loss) / 10
         )
 
-    def output(self, envelopes: ArrayLike) -> Complex:
+    @property
+    def imbalance(self) -> Array:
+        """Gain of Q over I, and error of the phase between them, rad."""
+        return np.array([10 ** (self.amplitude_imbalance / 20), self.phase_imbalance])
+
+    def output(self, envelopes: Complex) -> Complex:
         """Voltages I + iQ behind the amplifiers of envelopes, V."""
-        gain = 10 ** (self.amplitude_imbalance / 20)
-        read = skew_quadratures(envelopes, gain, self.phase_imbalance)
-        return np.sqrt(self.gain_ahead) * self.baseband_gain * read
+        gain = np.sqrt(self.gain_ahead) * self.baseband_gain
+        return gain * skew_quadratures(envelopes, *self.imbalance)
 
     @property
     def sent_light(self) -> float:
@@ -197,7 +201,7 @@ class RfRanger(PhaseRanger):
 
     def _read(self, envelopes: Complex, rng: Generator) -> Complex:
         """Readings (P,) of envelopes (P + 1,), V, of which the last is the blocked beam's."""
-        known = np.array([10 ** (self.amplitude_imbalance / 20), self.phase_imbalance])
+        known = self.imbalance
         read = skew_quadratures(
             envelopes[:-1], *(known + self.drift * rng.standard_normal(2))
         )
@@ -222,15 +226,15 @@ class RfRanger(PhaseRanger):
         return 1 + swing / (2 * self.settings.fibre) * DRIFT_RMS * drifted
 
 
-def skew_quadratures(phasor: ArrayLike, gain: float, error: float) -> Complex:
+def skew_quadratures(phasor: Complex, gain: float, error: float) -> Complex:
     """Reading of an I/Q mixer whose Q is ``gain`` too large and ``error``, rad, off 90 degrees."""
-    turned = np.multiply(phasor, np.exp(1j * error))
-    return np.real(phasor) + 1j * gain * turned.imag  # pyright: ignore[reportAttributeAccessIssue]
+    turned = phasor * np.exp(1j * error)
+    return phasor.real + 1j * gain * turned.imag  # pyright: ignore[reportAttributeAccessIssue]
 
 
 def rf_image(ranger: RfRanger, target: Target, angles: Array, *, seed: int) -> Array:
     """Wrapped phase (...), rad, by RF demodulation at optical angles (..., 2), rad; noise alone."""
-    paths = trace(target, np.reshape(angles, (-1, 2)), ranger.settings, seed)
+    paths = trace(target, angles.reshape(-1, 2), ranger.settings, seed)
     power = (
         ranger.sent_light
         * paths.fraction
@@ -240,4 +244,4 @@ def rf_image(ranger: RfRanger, target: Target, angles: Array, *, seed: int) -> A
     read = ranger.phasor(power, paths.range).sum(-1)
     rng = default_rng([seed, 16, ranger.mode == "doubled"])
     read += ranger.noise(power.sum(-1)) * circular_normals(rng, read.size)
-    return wrapped(np.angle(read)).reshape(np.shape(angles)[:-1])
+    return wrapped(np.angle(read)).reshape(angles.shape[:-1])

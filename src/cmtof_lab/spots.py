@@ -4,7 +4,6 @@ from dataclasses import dataclass
 
 import numpy as np
 from numpy.random import Generator
-from numpy.typing import ArrayLike
 from scipy.special import ndtr
 
 from cmtof.constants import LASER_WAVELENGTH
@@ -59,17 +58,16 @@ def photographed_spots(
     return np.minimum(drawn, sensor.full_well) - sensor.ambient
 
 
-def place_spots(windows: ArrayLike, sensor: Sensor) -> Arrays:
-    r"""Centres (N, 2) and their standard deviations (N,), px, of the spots in windows (N, S, S).
+def place_spots(light: Array, sensor: Sensor) -> Arrays:
+    r"""Centres (N, 2) and their standard deviations (N,), px, of spots in windows (N, S, S).
 
     The centroid under a Gaussian weight w of width s that moves with it (XWIN of SExtractor):
 
     .. math:: x \leftarrow x + 2\frac{\sum w I (u - x)}{\sum w I}, \qquad
               \sigma_x = \frac{\sqrt{\sum w^2 (u - x)^2 v}}{\sum w I\,(1 - (u - x)^2/s^2)}.
 
-    Windows hold electrons of variance v. NaN for spots saturated or below six deviations.
+    The light is in electrons of variance v. NaN for spots saturated or below six deviations.
     """
-    light = np.asarray(windows, float)
     middle = light.shape[-1] / 2
     centre = np.full((2, len(light)), middle)
     for _ in range(12):

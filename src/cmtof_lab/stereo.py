@@ -88,14 +88,14 @@ def simulated_rig(*, baseline: float = 0.3, sensor: Sensor = SENSOR) -> StereoRi
         [0, focal, height / 2],
         [0, 0, 1],
     ]
-    half = np.array([baseline / 2, 0, 0])
-    turn = Rotation.from_rotvec([0, np.arctan2(half[0], 3.0), 0])
-    left = RigidTransform.from_components(-half, turn)
-    right = RigidTransform.from_components(half, turn.inv())
+    poses = []
+    for x in (-baseline / 2, baseline / 2):
+        turn = Rotation.from_rotvec([0, -np.arctan2(x, 3.0), 0])
+        poses.append(RigidTransform.from_components([x, 0, 0], turn).inv())
     return StereoRig(
         np.array([matrix] * 2),
         np.outer([1.0, 1.05], [-0.09, 0.11, 3e-4, -2e-4, 0.0]),
-        (left.inv(), right.inv()),
+        tuple(poses),
         sensor.shape,
     )
 
@@ -245,8 +245,9 @@ def truth_from_spots(
         seen = np.asarray(phase, float)
         reach = np.hypot(reach, sigmas * np.multiply(phase_noise, WRAP / TAU))
         sure = np.isfinite(seen) & (reach < WRAP / 2)
-        near = np.nan_to_num(depth)
-        wraps = consistent_wrap_count(near, np.nan_to_num(seen), FREQUENCY_SINGLE)
+        wraps = consistent_wrap_count(
+            np.nan_to_num(depth), np.nan_to_num(seen), FREQUENCY_SINGLE
+        )
         best = depth_from_wraps(seen, wraps, FREQUENCY_SINGLE)
     mask = sure & (wraps >= 0)
     wraps = np.where(mask, wraps, -1).astype(np.int64)
@@ -262,8 +263,7 @@ def truth_from_spots(
 def _ranges(spots: Spots, rig: StereoRig, draws: Sequence[StereoRig]) -> Arrays:
     """Ranges from the scanner, m, and their deviations by noise of spots and calibration."""
     points = rig.triangulate(spots.pixels)
-    missed = spots.pixels - rig.project(points)
-    missed /= spots.sigma[..., None]
+    missed = (spots.pixels - rig.project(points)) / spots.sigma[..., None]
     # chi^2 across the epipolar line: a right pair exceeds 12 in 0.05 % of cases
     points[(missed**2).sum((0, -1)) > 12] = np.nan
     found = norm(points, axis=-1)

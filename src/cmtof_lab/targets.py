@@ -69,7 +69,8 @@ class FrameTarget:
                 f"Expected a frame with a camera, got {frame.name!r}. Store one."
             )
         fx, fy, cx, cy, *skew = frame.camera
-        self._camera = np.array([[fx, sum(skew), cx], [0, fy, cy]], float)
+        # from rays to rows and columns
+        self._camera = np.array([[0, fy, cy], [fx, sum(skew), cx]], float)
         self._reflectance = np.clip(frame.intensity, 0, 1, dtype=float)
         rays = rays_from_camera(frame.depth.shape, frame.camera)
         planar = frame.depth / norm(rays, axis=-1)
@@ -90,14 +91,14 @@ class FrameTarget:
         """Trace unit rays (..., 3) from the origin."""
         ahead = np.where(directions[..., 2] > 0, directions[..., 2], np.nan)
         pixels = np.vecdot(self._camera, directions[..., None, :]) / ahead[..., None]
-        seen = ((pixels >= 0) & (pixels < self._inverse.shape[::-1])).all(-1)
-        u, v = np.moveaxis(np.where(seen[..., None], pixels, 0.0), -1, 0)
-        nearest = v.astype(int), u.astype(int)
-        cell = (v + 0.5).astype(int), (u + 0.5).astype(int)
+        seen = ((pixels >= 0) & (pixels < self._inverse.shape)).all(-1)
+        place = np.moveaxis(np.where(seen[..., None], pixels, 0.0), -1, 0)
+        nearest = tuple(place.astype(int))
+        cell = tuple((place + 0.5).astype(int))
         # exact on planes; across a step that of the nearest pixel
         inverse = np.where(
             self._step[cell] < LARGEST_STEP,
-            self._smooth((v, u)),
+            self._smooth(tuple(place)),
             self._inverse[nearest],
         )
         reach = 1 / (inverse * np.where(seen, ahead, np.nan))
@@ -118,10 +119,8 @@ def _cosines(planar: Array, rays: Array) -> Array:
 def _smaller_step(points: Array) -> Array:
     """The smaller of the steps (H, W, 3) to the left and to the right neighbour, by depth."""
     step = np.diff(points, axis=1, prepend=np.nan, append=np.nan)
-    left = step[:, :-1]
-    right = step[:, 1:]
     size = np.nan_to_num(abs(step[..., 2:]), nan=np.inf)
-    return np.where(size[:, :-1] < size[:, 1:], left, right)
+    return np.where(size[:, :-1] < size[:, 1:], step[:, :-1], step[:, 1:])
 
 
 @dataclass(frozen=True, eq=False)
@@ -177,8 +176,8 @@ class MeshTarget:
         far = norm(way, axis=-1)
         rays = (way / far[:, None]).astype(np.float32)
         reach = (far - SURFACE).astype(np.float32)
-        found = self._tracer.is_blocked(np.full_like(rays, eye), rays, reach)
-        return found.reshape(points.shape[:-1])
+        hidden = self._tracer.is_blocked(np.full_like(rays, eye), rays, reach)
+        return hidden.reshape(points.shape[:-1])
 
 
 def _object(name: str) -> MeshTarget:
@@ -207,5 +206,7 @@ def scene_from(source: Any) -> Target | None:
         options = {**source}
         return KINDS[options.pop("kind")](**options)
     except (KeyError, TypeError):
-        what = f"twin.scene to be a name, or a kind out of {', '.join(KINDS)} with its keys"
-        raise ValueError(f"Expected {what}, got {source!r}. Correct it.") from None
+        raise ValueError(
+            f"Expected twin.scene to be a name, or a kind out of {', '.join(KINDS)} with "
+            f"its keys, got {source!r}. Correct it."
+        ) from None

@@ -9,25 +9,25 @@ pytest.importorskip("embreex")
 
 from cmtof.constants import FREQUENCIES
 from cmtof.correlation import centred, phase_from_depth
-from cmtof_book import rendered_stills
+from cmtof_book.rendered_stills import (
+    made_up_thing,
+    rendered_scene,
+    rendered_still,
+    with_noise,
+)
+from cmtof_lab.budget import ideal_but_for
 from cmtof_lab.objects import still_life
 from cmtof_lab.rehearsal import scan_scene
-from cmtof_lab.settings import NOISE, TwinSettings
+from cmtof_lab.settings import NOISE
 from cmtof_lab.targets import MeshTarget
 
 
-@pytest.fixture(scope="module")
-def scene():
+def test_a_rendered_scene_has_phases_and_range_of_a_scan_without_noise():
     rng = default_rng(4)
-    return still_life([rendered_stills.made_up_thing(rng) for _ in range(2)], rng)
-
-
-def test_a_rendered_scene_has_phases_and_range_of_a_scan_without_noise(scene):
-    mesh, view = scene
-    phasor, reach = rendered_stills.rendered_scene(mesh, view, 12, seed=3)
-    real = TwinSettings()
-    kept = ("divergence", "exit_radius", "pressure", "speckle")
-    settings = TwinSettings.ideal(**{name: getattr(real, name) for name in kept})
+    things = [made_up_thing(rng) for _ in range(2)]
+    mesh, view = still_life(things, rng)
+    phasor, reach = rendered_scene(mesh, view, 12, seed=3)
+    settings = ideal_but_for("divergence", "exit_radius", "pressure", "speckle")
     target = MeshTarget.from_mesh(mesh)
     scan = scan_scene(settings, target, size=12, field_of_view=view, seed=3)
     # the mirrors' steps move the beam, on slopes by some micrometres
@@ -39,7 +39,7 @@ def test_a_rendered_scene_has_phases_and_range_of_a_scan_without_noise(scene):
 
 def test_the_noise_is_that_of_the_captures_and_shared_by_neighbours():
     bright = np.full((2, 300, 300), 1e-3 + 0j)
-    turn = np.angle(rendered_stills.with_noise(bright, default_rng(1)))
+    turn = np.angle(with_noise(bright, default_rng(1)))
     # five deviations of 90,000 correlated pixels
     level = NOISE["captures"]["phase_noise"]
     assert turn.std((1, 2)) == approx(level, rel=5 / 400)
@@ -48,7 +48,7 @@ def test_the_noise_is_that_of_the_captures_and_shared_by_neighbours():
 
 
 def test_labels_are_the_wraps_that_turn_phases_into_ranges():
-    still = rendered_stills.rendered_still(1, 24)
+    still = rendered_still(1, 24)
     wraps, depth = (still.dataset[key].to_numpy() for key in ("wraps", "labels"))
     known = wraps >= 0
     assert known.mean() > 0.9

@@ -10,7 +10,7 @@ from refusals import refused
 from cmtof.hardware.calibration import cyclic_error, drive_amplitudes, plate, resonance
 from cmtof.hardware.ranging import sweep, sweep_errors
 from cmtof.hardware.rig import Rig
-from cmtof_lab.instrument import amplitude
+from cmtof_lab.instrument import RfKnobs, amplitude
 from cmtof_lab.rehearsal import simulated_bench
 from cmtof_lab.settings import TwinSettings
 from cmtof_lab.sweep import POSITIONS, zero_positions
@@ -66,7 +66,7 @@ MODULES = ("emission", "detection")
 def test_amplitude_and_resonance_are_those_of_the_drive(bench_of, module):
     """A splitter that leaks in the dark, and a laser that drifts."""
     drives = [(7.15e9, 20.0), (7.15e9, 30.0), (7.155e9, 27.0)]
-    wanted = [abs(amplitude(KNOWN, power, hertz)) for hertz, power in drives]
+    wanted = [abs(amplitude(KNOWN, RfKnobs(True, *drive))) for drive in drives]
     bench = bench_of(KNOWN)
     assert_allclose(drive_amplitudes(bench, module, drives), wanted, rtol=5e-3)
     assert not (bench.daq.panel.emission.on or bench.daq.panel.detection.on)
