@@ -39,16 +39,6 @@ def stepped_wall():
 
 
 @fixture(scope="session")
-def flat_wall():
-    """Maker of a square wall: its side, px, its depth, m, and its brightness."""
-
-    def made(side, depth, light=1.0):
-        return Frame(np.full((side, side), depth), np.full((side, side), light))
-
-    return made
-
-
-@fixture(scope="session")
 def measured(tilted_wall):
     """The wall with the paper's noise."""
     return cmtof.simulate(tilted_wall, seed=3)
@@ -121,7 +111,7 @@ def exact():
 
     def measure(depth, frequencies=FREQUENCIES, truth=None, **attributes):
         depth = np.atleast_2d(np.asarray(depth, float))
-        phase = np.stack([phase_from_depth(depth, f) for f in frequencies])
+        phase = [phase_from_depth(depth, f) for f in frequencies]
         truth = depth if truth is None else truth
         return cmtof.Measurement.from_phase(
             phase, frequencies, depth=truth, **attributes

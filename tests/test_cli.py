@@ -8,6 +8,7 @@ from unittest.mock import Mock
 
 import xarray as xr
 from pytest import approx, mark, raises
+from walls import flat_wall
 
 import cmtof
 from cmtof.measurement import Measurement
@@ -112,7 +113,7 @@ def test_rooms_are_rendered_and_evaluated_as_a_folder(succeeds):
     assert "frame.0001.color.hdf5" in text
 
 
-def test_a_frame_that_fails_takes_no_other_with_it(fails, flat_wall):
+def test_a_frame_that_fails_takes_no_other_with_it(fails):
     Path("set").mkdir()
     flat_wall(8, 0.9).save("set/near.npz")
     flat_wall(8, 300.0).save("set/far.npz")

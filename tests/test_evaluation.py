@@ -5,9 +5,9 @@ from numpy.testing import assert_allclose, assert_array_equal
 from pytest import approx, mark, raises, skip
 from refusals import refused
 from scores import scores
+from walls import WRAP
 
 import cmtof
-from cmtof.correlation import wrap_length
 from cmtof.evaluation import (
     Evaluation,
     Tally,
@@ -109,8 +109,7 @@ def test_counts_give_rates_with_intervals(tilted_wall):
 
 def test_sets_of_wraps_are_counted_within_the_range(exact):
     """Three wraps from 40 on; the estimate is the first, the truth the second."""
-    wrap = wrap_length(7.15e9)
-    m = exact(np.full((1, 2), 41.5 * wrap), range_min=40 * wrap, range_max=43 * wrap)
+    m = exact(np.full((1, 2), 41.5 * WRAP), range_min=40 * WRAP, range_max=43 * WRAP)
     result = cmtof.unwrap(m)
     result["wrap_count"][:] = 40
     result["within_90"][:] = [0, 9]

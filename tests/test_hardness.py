@@ -2,12 +2,9 @@
 
 import numpy as np
 from pytest import approx
+from walls import WRAP
 
-from cmtof.constants import FREQUENCY_SINGLE
-from cmtof.correlation import wrap_length
 from cmtof.hardness import bends, hardness
-
-WRAP = wrap_length(FREQUENCY_SINGLE)
 
 
 def test_a_step_in_a_slanted_plane_is_one_jump_a_row_and_two_surfaces():

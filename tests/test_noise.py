@@ -5,6 +5,7 @@ from numpy.testing import assert_allclose, assert_array_less
 from pytest import approx, fixture, mark
 from refusals import refused
 from scipy.stats import chi2, sem
+from walls import lit
 
 import cmtof
 from cmtof.bounds import phase_spread, simulated_phase_noise
@@ -22,7 +23,6 @@ from cmtof.noise import (
     sigma_from_phase_noise,
     typical_phase_noise,
 )
-from cmtof.scenes import Frame
 
 SHAPE = (96, 80)
 
@@ -151,8 +151,7 @@ def test_sigma_and_brightness_come_back_from_their_phase_noise(sigma, intensity)
 def test_sigma_is_found_in_a_simulated_map_despite_outliers():
     """The median of all windows is at least as good as the mean square of 40 % of disjoint ones."""
     depth = 0.6 + depth_from_phase(surface(240), 7.15e9)
-    frame = Frame(depth, np.full_like(depth, 0.6))
-    phase = cmtof.simulate(frame, protocol="full", noise=500).phase[0].copy()
+    phase = cmtof.simulate(lit(depth, 0.6), protocol="full", noise=500).phase[0]
     phase[::40, ::40] += 2.0
     noise = typical_phase_noise(phase, np.ones(phase.shape, bool))
     low, high = np.sqrt(interval(0.4 * 19 * (240 / 5) ** 2))

@@ -4,6 +4,7 @@ import numpy as np
 from numpy.testing import assert_allclose, assert_array_equal, assert_array_less
 from pytest import approx, mark
 from refusals import WRONG, refused
+from walls import flat_wall, lit
 
 from cmtof.constants import FREQUENCIES
 from cmtof.correlation import phase_from_depth, wrap_count_from_depth
@@ -29,7 +30,7 @@ def test_same_seed_same_counts_and_frames_draw_apart(tilted_wall):
     assert (drawn(seed=1) != drawn(seed=1, frame_number=1)).mean() > 0.99
 
 
-def test_noise_of_a_flat_wall_has_the_mean_and_variance_of_the_model(flat_wall):
+def test_noise_of_a_flat_wall_has_the_mean_and_variance_of_the_model():
     wall = flat_wall(200, 1.0, 0.5)
     mean = simulate(wall, noise_free=True).dataset.correlation[0, :, 0, 0]
     noisy = simulate(wall).dataset.correlation[0]
@@ -42,7 +43,7 @@ def test_noise_of_a_flat_wall_has_the_mean_and_variance_of_the_model(flat_wall):
 
 def test_released_protocol_shrinks_to_1195_mm_and_keeps_wraps_36_to_56(rng):
     depth = rng.uniform(1.0, 9.0, (100, 100))
-    m = simulate(Frame(depth, np.ones_like(depth)), noise_free=True)
+    m = simulate(lit(depth), noise_free=True)
     assert np.percentile(m.depth, 99.9) == approx(1.195, abs=1e-4)
     counts = wrap_count_from_depth(m.depth.astype(float), 7.15e9)
     # float32 storage may move a depth across a limit by a tenth of a micrometre
@@ -50,7 +51,7 @@ def test_released_protocol_shrinks_to_1195_mm_and_keeps_wraps_36_to_56(rng):
     assert m.range == approx((0.754722, 1.194977), abs=1e-6)
 
 
-def test_released_protocol_never_enlarges_and_stops_at_a_hundredth(flat_wall):
+def test_released_protocol_never_enlarges_and_stops_at_a_hundredth():
     assert simulate(flat_wall(4, 0.9), noise_free=True).depth == approx(0.9)
     with refused("Expected depths between"):
         simulate(flat_wall(4, 300.0), noise_free=True)
@@ -59,8 +60,7 @@ def test_released_protocol_never_enlarges_and_stops_at_a_hundredth(flat_wall):
 def test_full_protocol_scales_nothing_and_masks_beyond_the_beat():
     """Masked pixels keep their signal, unknown ones are dark; intensity is clipped to 1."""
     depth = np.array([[0.3, 7.49, 7.50, 20.0, np.nan]])
-    bright = np.full_like(depth, 7.0)
-    m = simulate(Frame(depth, bright), protocol="full", noise_free=True)
+    m = simulate(lit(depth, 7.0), protocol="full", noise_free=True)
     assert m.mask.tolist() == [[True, True, False, False, False]]
     assert_allclose(m.depth[:, :4], depth[:, :4].astype(np.float32))
     assert_allclose(m.amplitude[0], [[6366.2] * 4 + [0.0]], rtol=1e-5)

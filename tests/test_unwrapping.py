@@ -3,14 +3,11 @@
 import numpy as np
 from numpy.testing import assert_allclose, assert_array_equal
 from pytest import fixture, mark
+from walls import WRAP
 
 import cmtof
-from cmtof.constants import FREQUENCIES
-from cmtof.correlation import wrap_length
 from cmtof.estimate import Estimate
 from cmtof.methods import METHODS, Method
-
-WRAP = wrap_length(FREQUENCIES[0])
 
 
 @fixture

@@ -4,6 +4,7 @@ import numpy as np
 from numpy.testing import assert_allclose
 from pytest import approx, mark
 from scores import scores
+from walls import WRAP, flat_wall
 
 import cmtof
 from cmtof import bounds
@@ -38,7 +39,7 @@ def test_search_is_that_over_all_wraps(rng, pair):
 def test_closed_form_survives_errors_up_to_its_bound(rng, offset):
     """An error of less than M/4 in each remainder, of opposite signs, is forgiven; more is not."""
     depth = rng.uniform(0.05, 7.0, (20, 20))
-    unit = wrap_length(FREQUENCIES[0]) / 1432
+    unit = WRAP / 1432
     shift = phase_from_depth(offset * unit / 2, np.array(FREQUENCIES)) * [1, -1]
     inner = np.stack([phase_from_depth(depth, f) % TAU for f in FREQUENCIES])
     keep = np.all(np.abs(inner - np.pi) < np.pi - 0.01, axis=0)
@@ -48,7 +49,7 @@ def test_closed_form_survives_errors_up_to_its_bound(rng, offset):
 
 
 @mark.parametrize(("method", "pair"), [("crt", FREQUENCIES), ("phasor", CLOSE)])
-def test_single_pixels_are_right_as_often_as_theory_predicts(flat_wall, method, pair):
+def test_single_pixels_are_right_as_often_as_theory_predicts(method, pair):
     """To four standard deviations of 250 000 pixels; the confidence predicts the same."""
     m = simulate(flat_wall(500, 4.0), protocol="full", frequencies=pair)
     found = scores(m, method=method)

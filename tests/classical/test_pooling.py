@@ -6,6 +6,7 @@ from pytest import approx, mark
 from scipy.ndimage import uniform_filter
 from scipy.stats import norm
 from scores import scores
+from walls import WRAP, flat_wall
 
 import cmtof
 from cmtof import bounds
@@ -13,12 +14,9 @@ from cmtof.classical import region
 from cmtof.classical.beat import guided_filter
 from cmtof.classical.kde import _largest_density, hypotheses
 from cmtof.constants import FREQUENCIES
-from cmtof.correlation import TAU, phase_from_depth, wrap_length
+from cmtof.correlation import TAU, phase_from_depth
 from cmtof.frame import Frame
 from cmtof.simulation import simulate
-
-WRAP = wrap_length(FREQUENCIES[0])
-
 
 EXACT = ["crt", "crt-ml", "crt-closed-form", "beat", "beat-guided", "kde", "kde-tuned"]
 EXACT += ["region", "mrf", "mrf-graphcut"]
@@ -30,7 +28,7 @@ def test_walls_of_one_depth_are_exact(exact, method):
     assert_allclose(cmtof.unwrap(m, method=method).depth, 3.21, atol=1e-6)
 
 
-def test_averages_divide_the_noise_by_the_side_of_the_window(flat_wall):
+def test_averages_divide_the_noise_by_the_side_of_the_window():
     m = simulate(flat_wall(120, 1.0, 0.8), seed=2)
     windows = (1, 11, 41)
     rates = [scores(m, method="beat", window=one)["delta_lt_1"] for one in windows]

@@ -4,18 +4,16 @@ import numpy as np
 from numpy.testing import assert_array_equal
 from pytest import approx, fixture, mark
 from scores import scores
+from walls import WRAP, flat_wall, lit
 
 import cmtof
 from cmtof import bounds
 from cmtof.classical import references, trivial
 from cmtof.classical.references import bodies, surfaces
-from cmtof.constants import FREQUENCIES
-from cmtof.correlation import TAU, wrap_length
+from cmtof.correlation import TAU
 from cmtof.frame import Frame
 from cmtof.hardness import bends
 from cmtof.simulation import simulate
-
-WRAP = wrap_length(FREQUENCIES[0])
 
 
 @fixture
@@ -71,7 +69,7 @@ def test_contact_carries_an_offset_across_a_crease():
     assert tied < 0.01 < alone
 
 
-def test_wider_windows_are_right_more_often(flat_wall):
+def test_wider_windows_are_right_more_often():
     m = simulate(flat_wall(90, 3.0), protocol="full")
     how = {"method": "reference-field"}
     rates = [scores(m, **how, side=side)["delta_lt_2"] for side in (1, 11, 41, 181)]
@@ -79,7 +77,7 @@ def test_wider_windows_are_right_more_often(flat_wall):
     assert rates[-1] == 1.0
 
 
-def test_true_depth_brings_the_phase_within_half_a_wrap(flat_wall):
+def test_true_depth_brings_the_phase_within_half_a_wrap():
     m = simulate(flat_wall(300, 4.0), protocol="full")
     depth = cmtof.unwrap(m, method="reference-depth").depth
     assert np.abs(depth - 4.0).max() < WRAP / 2
@@ -91,7 +89,7 @@ def test_true_depth_brings_the_phase_within_half_a_wrap(flat_wall):
 def even():
     """A measurement of depths that lie evenly over 21 wraps."""
     depth = np.random.default_rng(4).uniform(36 * WRAP, 57 * WRAP, (300, 300))
-    return simulate(Frame(depth, np.ones(depth.shape)))
+    return simulate(lit(depth))
 
 
 def test_a_random_wrap_is_right_once_and_the_middle_within_two_five_times_in_21(even):

@@ -1,6 +1,7 @@
 """Models of the devices, each on a simulated one, and connections in process that can fail."""
 
 import io
+import math
 import struct
 import time
 from types import SimpleNamespace
@@ -32,14 +33,17 @@ def simulated(role):
 
 
 class Wire:
-    """Requests to a model; those that hold ``marker`` meet a fault, so many times."""
+    """Requests to a model; those that hold ``marker`` meet a fault, so many times.
+
+    Unless it is told how many, it meets every request from the first of these on.
+    """
 
     def __init__(self, answer):
         self.answer = answer
         self.sent = []
         self.fail(b"", b"", times=0)
 
-    def fail(self, marker, fault, times=10**9):
+    def fail(self, marker, fault, times=math.inf):
         self.marker = marker
         self.fault = fault
         self.times = times
@@ -49,6 +53,8 @@ class Wire:
         if not self.times or self.marker not in request:
             return self.answer(request)
         self.times -= 1
+        if self.times == math.inf:
+            self.marker = b""
         if isinstance(self.fault, Exception):
             raise self.fault
         return self.fault

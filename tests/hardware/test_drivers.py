@@ -42,12 +42,6 @@ def contract(device):
 
 
 @fixture
-def faults(device):
-    kind = device.kind
-    return {"silence": SILENCE[kind], "garbage": b"\xff nonsense\n", "lost": GONE[kind]}
-
-
-@fixture
 def wire(device):
     return Wire(device.peer)
 
@@ -58,24 +52,28 @@ def driver(device, wire):
 
 
 @fixture
-def request_of(device):
-    """Bytes of a request as it is written."""
-    return lambda text: device.pair(text, "00")[0]
+def fail(device, wire):
+    """Have a written request meet a fault; what is returned counts how often it was sent."""
+    kind = device.kind
+    faults = {
+        "silence": SILENCE[kind],
+        "lost": GONE[kind],
+        "garbage": b"\xff nonsense\n",
+    }
 
+    def meet(text, fault, **times):
+        request, _ = device.pair(text, "00")
+        wire.fail(request, faults[fault], **times)
+        return lambda: sum(request in one for one in wire.sent)
 
-@fixture
-def sent(request_of, wire):
-    """How often a written request went over the wire."""
-    return lambda text: sum(request_of(text) in one for one in wire.sent)
+    return meet
 
 
 @mark.parametrize("fault", ["silence", "garbage"])
-def test_a_question_is_asked_once_more(
-    request_of, contract, wire, driver, sent, faults, fault
-):
-    wire.fail(request_of(contract["question"]), faults[fault], times=1)
+def test_a_question_is_asked_once_more(contract, driver, fail, fault):
+    sent = fail(contract["question"], fault, times=1)
     assert called(driver, **contract["ask"]) == contract["ask"]["gives"]
-    assert sent(contract["question"]) == 2
+    assert sent() == 2
 
 
 ERRORS = {
@@ -86,20 +84,18 @@ ERRORS = {
 
 
 @mark.parametrize("fault", ERRORS)
-def test_a_fault_that_stays_is_one_error(
-    request_of, contract, wire, driver, faults, fault
-):
-    wire.fail(request_of(contract["question"]), faults[fault])
+def test_a_fault_that_stays_is_one_error(contract, driver, fail, fault):
+    fail(contract["question"], fault)
     with refused(r"\. [A-Z].*\.$", ERRORS[fault]):
         called(driver, **contract["ask"])
 
 
 @mark.parametrize("fault", ERRORS)
-def test_a_change_is_sent_once(request_of, contract, wire, driver, sent, faults, fault):
-    wire.fail(request_of(contract["command"]), faults[fault])
+def test_a_change_is_sent_once(contract, driver, fail, fault):
+    sent = fail(contract["command"], fault)
     with refused("Expected", OSError):
         called(driver, **contract["change"])
-    assert sent(contract["command"]) == 1
+    assert sent() == 1
 
 
 def test_another_device_is_refused(wire, driver):
@@ -121,8 +117,8 @@ def test_a_value_beyond_the_limits_is_not_sent(contract, wire, driver):
     assert not wire.sent
 
 
-def test_a_safe_state_is_tried_again(wire, driver, faults):
-    wire.fail(b"", faults["lost"], times=1)
+def test_a_safe_state_is_tried_again(wire, driver, fail):
+    fail("", "lost", times=1)
     driver.safe_state()
     assert len(wire.sent) != 1  # a power meter has no safe state and is asked nothing
     driver.close()

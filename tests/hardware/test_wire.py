@@ -74,29 +74,24 @@ PLACES = {
 }
 """Request at which a device falls silent or hangs up."""
 TIMED = ("daq", "rf_emission", "rf_detection")
-"""Devices whose own light or RF ends by their own timers."""
+"""Devices whose own light or RF stays on until their own timers end it."""
+
+
+def goes_dark(world, lost):
+    """Whether all is dark, and at the latest when the timer of a device that is lost ends."""
+    soon = world.dark or lost in TIMED
+    world.silence(6.0)
+    return soon and world.dark
 
 
 @mark.parametrize("fault", [b"", ConnectionResetError()], ids=["silent", "hangs up"])
 @mark.parametrize("role", PLACES)
 def test_a_device_that_goes_leaves_no_light(world, take, role, fault):
-    """Its own light or RF stays on until its own timer ends it."""
-    wire = world.ends[role].wire
-    works = wire.answer
-
-    def answer(request):
-        if PLACES[role] in request:
-            wire.fail(b"", fault)
-            return wire(request)
-        return works(request)
-
-    wire.answer = answer
+    world.ends[role].wire.fail(PLACES[role], fault)
     world.rig = with_device(world.rig, role, timeout=0.05)  # nobody waits longer for it
     with refused("Expected", InstrumentError):
         take()
-    assert world.dark or role in TIMED
-    world.silence(6.0)
-    assert world.dark
+    assert goes_dark(world, role)
 
 
 # --- starts and ends -----------------------------------------------------------------------------
@@ -122,9 +117,7 @@ def test_a_device_that_is_missing_at_the_start_leaves_no_light(world, lit, role)
     with refused("Expected", ConnectionLost), connected_bench(world.rig):
         pass
     assert world.lit == (role == "daq")
-    assert world.dark or role in TIMED
-    world.silence(6.0)
-    assert world.dark
+    assert goes_dark(world, role)
 
 
 @mark.parametrize("role", PLACES)
@@ -152,15 +145,15 @@ WORDS = ["-m", "cmtof.cli", "scan", "rig.yml", "--size", "2", "-o", "m.nc"]
 
 def test_a_program_whose_terminal_is_closed_ends_in_the_dark(world):
     world.write(flip_mirror_settling=0.0)
-    end = world.ends["power_meter"].wire
-    works = end.answer
+    wire = world.ends["power_meter"].wire
+    works = wire.answer
 
     def answer(request):
         if b"MEAS:POW" in request and world.panel.shutter_open:
             scan.send_signal(signal.SIGHUP)
         return works(request)
 
-    end.answer = answer
+    wire.answer = answer
     with subprocess.Popen([sys.executable, *WORDS], stderr=-1) as scan:
         scan.communicate(timeout=60)
     assert scan.returncode == 128 + signal.SIGHUP

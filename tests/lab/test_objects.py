@@ -4,18 +4,17 @@ import numpy as np
 import pytest
 from pytest import approx, mark
 from vectors import unit
+from walls import WRAP
 
 pytest.importorskip("embreex")
 
-from cmtof.constants import FREQUENCY_SINGLE
-from cmtof.correlation import wrap_length
 from cmtof.pointcloud import points_from_depth
 from cmtof.simulation import RELEASED_WRAPS
 from cmtof_lab import objects
 from cmtof_lab.objects import DISTANCE, HEIGHT, WIDTH, gage_blocks, object_mesh
 from cmtof_lab.targets import MeshTarget
 
-WRAPS = wrap_length(FREQUENCY_SINGLE) * np.array(RELEASED_WRAPS)
+WRAPS = WRAP * np.array(RELEASED_WRAPS)
 
 
 def unit_rays(view):

@@ -7,24 +7,23 @@ from hypothesis import given
 from hypothesis import strategies as st
 from numpy.testing import assert_allclose, assert_array_equal
 from pytest import approx, fixture, mark
+from walls import WRAP, lit
 
 from cmtof.constants import FREQUENCY_SINGLE
-from cmtof.correlation import TAU, phase_from_depth, wrap_length
-from cmtof.frame import Frame, ray_lengths
+from cmtof.correlation import TAU, phase_from_depth
+from cmtof.frame import ray_lengths
 from cmtof.pointcloud import points_from_depth
 from cmtof_lab import stereo
 from cmtof_lab.spots import photographed_spots
 
 RIG = stereo.simulated_rig()
-WRAP = wrap_length(FREQUENCY_SINGLE)
 CAMERA = [60.0, 60.0, 20.0, 15.0]
 SHAPE = (30, 40)
 
 
 def planar(depth):
     """Frame of a planar depth, m."""
-    ranges = np.broadcast_to(depth, SHAPE) * ray_lengths(SHAPE, CAMERA)
-    return Frame(ranges, np.full(SHAPE, 0.5), CAMERA)
+    return lit(depth * ray_lengths(SHAPE, CAMERA), 0.5, CAMERA)
 
 
 def points_of(frame):
@@ -88,15 +87,8 @@ def test_boards_calibrate_each_camera_of_the_rig(rng):
 
 
 def test_spots_locate_the_scanner(rng):
-    left, right = RIG.poses
-    back = left.inv()
-    rig = replace(
-        RIG,
-        poses=(
-            left * back,
-            right * back,
-        ),
-    )
+    back = RIG.poses[0].inv()
+    rig = replace(RIG, poses=tuple(pose * back for pose in RIG.poses))
     beams = points_of(planar(1.5 + 0.01 * COLUMNS))
     pixels = RIG.project(beams) + 0.1 * rng.standard_normal((2, *SHAPE, 2))
     pixels[:, ::3] = np.nan

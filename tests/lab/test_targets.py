@@ -5,9 +5,10 @@ import pytest
 from numpy.testing import assert_allclose
 from pytest import mark
 from refusals import WRONG, refused
+from walls import flat_wall, lit
 
 from cmtof.pointcloud import points_from_depth
-from cmtof.scenes import Frame, load_frame
+from cmtof.scenes import load_frame
 from cmtof_lab.optics import directions_from_angles
 from cmtof_lab.targets import FrameTarget, MeshTarget, Plane, scene_from
 
@@ -18,8 +19,7 @@ RAYS = directions_from_angles(np.random.default_rng(0).uniform(-0.25, 0.25, (500
 def plane_frame(tilt):
     """Frame of a tilted plane, seen through a camera."""
     rays = points_from_depth(np.ones((40, 48)), CAMERA)
-    depth = Plane(1.0, tilt_x=tilt).look(rays).range
-    return Frame(depth, np.full(depth.shape, 0.4), CAMERA)
+    return lit(Plane(1.0, tilt_x=tilt).look(rays).range, 0.4, CAMERA)
 
 
 @mark.parametrize("tilt", [0.0, 0.4])
@@ -57,6 +57,6 @@ def test_nonsense_is_refused(source):
         scene_from(source)
 
 
-def test_a_frame_without_a_camera_is_refused(flat_wall):
+def test_a_frame_without_a_camera_is_refused():
     with refused("Expected a frame with a camera"):
         FrameTarget(flat_wall(4, 1.0))

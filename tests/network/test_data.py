@@ -6,6 +6,7 @@ import numpy as np
 import torch
 from pytest import approx, mark, warns
 from refusals import refused
+from walls import WRAP, flat_wall
 
 import cmtof
 from cmtof.constants import FREQUENCIES
@@ -31,7 +32,7 @@ def flat(side, light, sigma):
 def turns_and_range(depth, protocol):
     """Depth above the first class, wraps, and whether it has a class."""
     first, classes = CLASSES[protocol]
-    turns = depth / data.WRAP - first
+    turns = depth / WRAP - first
     return turns, (turns >= 0) & (turns < classes)
 
 
@@ -57,7 +58,7 @@ def test_offsets_spread_as_told_and_change_nothing_else(config):
     assert not plain.offset.any()
 
 
-def test_images_have_the_simulators_mean_and_noise(flat_wall):
+def test_images_have_the_simulators_mean_and_noise():
     """Means within 5 standard errors, variances within 4 %, of images drawn one by one."""
     frame = flat_wall(200, 0.93, 0.4)
     # its farthest depth is brought to 1.195 m if it lies beyond, and 0.93 m does not
@@ -83,9 +84,9 @@ def test_noisy_images_decode_to_their_phasor():
 @mark.parametrize("protocol", ["released", "full"])
 def test_labels_are_wraps_and_mask_what_lies_outside(protocol):
     first, _ = CLASSES[protocol]
-    least = first * data.WRAP
+    least = first * WRAP
     nearer = least - 1e-4
-    inside = least + 3.5 * data.WRAP
+    inside = least + 3.5 * WRAP
     batch = batch_of_one([[nearer, inside, 7.6, np.nan]], 1.0, 1.0)
     sample = data.measure(batch, inputs="phase", protocol=protocol)
     assert sample.label[0, 0].tolist() == [IGNORED, 3, IGNORED, IGNORED]

@@ -8,11 +8,11 @@ from numpy.testing import assert_allclose
 from pytest import approx, mark
 from refusals import WRONG, refused
 from tests.network.conftest import card
+from walls import lit
 
 import cmtof
 from cmtof import methods
 from cmtof.correlation import TAU
-from cmtof.frame import Frame
 from cmtof.measurement import tiles
 from cmtof.network import inference, weights
 from cmtof.network.features import FULL_AMPLITUDE
@@ -81,8 +81,8 @@ def test_classes_agree_with_the_measured_phase(stored, measurement, name):
 def test_what_would_take_too_much_memory_goes_in_tiles_like_the_whole(
     stored, monkeypatch, name
 ):
-    frame = Frame(np.full((640, 24), 0.93), np.full((640, 24), 0.5))
-    measurement, how = cmtof.simulate(frame, noise=500.0), {"method": name}
+    wall = lit(np.full((640, 24), 0.93), 0.5)
+    measurement, how = cmtof.simulate(wall, noise=500.0), {"method": name}
     if name == "fast-scnn":
         how["weights"] = stored(name)
     whole, seen = cmtof.unwrap(measurement, **how).wrap_count, []

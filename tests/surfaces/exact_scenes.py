@@ -4,9 +4,10 @@ from typing import NamedTuple
 
 import numpy as np
 from scipy.spatial.transform import Rotation
+from walls import WRAP
 
 from cmtof.constants import FREQUENCIES
-from cmtof.correlation import phase_from_depth, wrap_length
+from cmtof.correlation import phase_from_depth
 from cmtof.frame import Frame
 from cmtof.measurement import Measurement
 from cmtof.pointcloud import points_from_depth
@@ -19,7 +20,6 @@ SHAPE = (128, 160)
 COLUMNS = np.arange(SHAPE[1])
 CELLS = (SHAPE[0] // CELL, SHAPE[1] // CELL)
 CAMERA = (140.0, 138.0, 81.0, 62.5)
-WRAP = wrap_length(FREQUENCIES[0])
 TILTED = (0.3, -0.2, 1)  # normal of a plane
 
 # Normals and distances, m, of two walls and the floor about a camera at the origin; nearest and

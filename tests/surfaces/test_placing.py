@@ -44,9 +44,8 @@ def beat_noise(information):
     return np.sqrt(5 / whole) / (2 * np.pi * EXCESS)
 
 
-def test_pooled_beats_scatter_as_the_sum_of_their_phasors():
+def test_pooled_beats_scatter_as_the_sum_of_their_phasors(rng):
     """Sixty draws: unbiased, and a deviation to 9 %."""
-    rng = np.random.default_rng(9)
     depth, q = plane_depth()
     found = []
     for _ in range(60):
@@ -98,9 +97,8 @@ def test_shape_and_beat_are_weighed_by_what_is_known_of_them():
     assert sharp.spread[0] < bent.spread[0] < alone.spread[0]
 
 
-def test_the_roughness_of_a_surface_hardly_costs_its_beat_precision():
+def test_the_roughness_of_a_surface_hardly_costs_its_beat_precision(rng):
     """0.12 wraps a pixel: 0.75 rad, and twice that, which a pixel's two phases share."""
-    rng = np.random.default_rng(3)
     depth, q = plane_depth()
     lifted, _ = move_surface(exact_field(depth), q, BOXES, PLANE, -11 * WRAP)
     found = []
