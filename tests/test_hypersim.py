@@ -234,7 +234,7 @@ def rooms(tmp_path):
     views = [("cam_00", 0), ("cam_00", 1)]
     for number, scene in enumerate(split):
         for view in views:
-            write_view(tmp_path, scene, *view, **picture(number))
+            write_view(tmp_path, View(scene, *view), **picture(number))
     write_metadata(
         tmp_path, (40, 48), {name: (part, 41.6, views) for name, part in split.items()}
     )
@@ -256,7 +256,7 @@ def test_rooms_are_read_by_the_one_reader(rooms):
 
 
 def test_a_view_exists_once_all_its_files_do(rooms):
-    assert all(view_exists(rooms.root, *view[:3]) for view in rooms.views)
+    assert all(view_exists(rooms.root, view) for view in rooms.views)
     view = rooms.views[1]
     view.file(rooms.root, "normal").unlink()
-    assert not view_exists(rooms.root, *view[:3])
+    assert not view_exists(rooms.root, view)

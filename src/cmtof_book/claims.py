@@ -110,16 +110,16 @@ def texts(scores: Scores, records: list[Record]) -> Texts:
 
     The table has each claim, our answer, the verdict and why. A claim's figure is that of a build.
     """
-    fill = partial(fill_in, numbers=numbers_of(scores, records))
-    page = partial(pages.page, fill=fill)
+    numbers = numbers_of(scores, records)
+    page = partial(pages.page, fill=partial(fill_in, numbers=numbers))
     every = claims(scores)
-    made = {
+    drawn = {record.name: record.content for record in records}
+    single = {
+        f"claims/{one.name}": page("claim", claim=one, drawn=drawn[one.about["figure"]])
+        for one in every
+    }
+    return {
         "claims": page("claims", claims=every),
         "findings": page("findings", findings=DOCUMENT["findings"]),
+        **single,
     }
-    drawn = {record.name: record.content for record in records}
-    for claim in every:
-        made[f"claims/{claim.name}"] = page(
-            "claim", claim=claim, drawn=drawn[claim.about["figure"]]
-        )
-    return made

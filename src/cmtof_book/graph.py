@@ -62,8 +62,8 @@ def closure(module: str) -> set[Path]:
 
 def notebooks() -> list[str]:
     """Stems of the notebooks that the table of contents lists, in its order."""
-    text = (ROOT / "_toc.yml").read_text("utf-8")
-    return re.findall(r"^\s*- file: notebooks/(\S+)$", text, re.MULTILINE)
+    contents = (ROOT / "_toc.yml").read_text("utf-8")
+    return re.findall(r"(?m)^\s*- file: notebooks/(\S+)$", contents)
 
 
 def inputs(module: str) -> list[str]:

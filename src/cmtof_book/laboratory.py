@@ -69,9 +69,7 @@ def object_frame(name: str) -> Frame:
 def packed_scene(frame: Frame) -> Values:
     """Depth in steps, 16 bit, and light, 8 bit, of the middle of a frame as it is measured."""
     measured = simulate(frame, noise_free=True)
-    place = tuple(
-        slice((n - (m := min(n, SIDE))) // 2, (n + m) // 2) for n in measured.shape
-    )
+    place = tuple(slice(max(0, n - SIDE) // 2, (n + SIDE) // 2) for n in measured.shape)
     depth = np.nan_to_num(np.asarray(measured.depth)[place])
     light = np.minimum(frame.intensity[place], 1)
     height, width = depth.shape

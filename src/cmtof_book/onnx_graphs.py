@@ -55,8 +55,10 @@ def graph_of(network: Network) -> bytes:
     for weight in model.graph.initializer:  # handed over when the network is made ready
         set_external_data(weight, "weights")
         weight.ClearField("raw_data")
-    about = {"features": kind, "target": network.target, "stride": str(network.stride)}
-    onnx.helper.set_model_props(model, about)
+    onnx.helper.set_model_props(
+        model,
+        {"features": kind, "target": network.target, "stride": str(network.stride)},
+    )
     return model.SerializeToString(deterministic=True)
 
 

@@ -27,19 +27,19 @@ def published_numbers() -> dict[str, Published]:
     """Every published number by its key, in the order of the paper."""
     stored = Path(__file__).with_name("paper.yml")
     document = yaml.safe_load(stored.read_text("utf-8"))
-    known = document.pop("_dependencies")
-    numbers = {}
-    for name, held in document.items():
-        if name[0] != "_":
-            depends = [Dependency(one, **known[one]) for one in held.get("depends", ())]
-            for one in _numbers_of(name, held | {"depends": depends}):
-                numbers[one.key] = one
-    return numbers
+    known = document["_dependencies"]
+    return {
+        one.key: one
+        for name, held in document.items()
+        if name[0] != "_"
+        for one in _numbers_of(name, held, known)
+    }
 
 
-def _numbers_of(name: str, held: Values) -> Iterator[Published]:
+def _numbers_of(name: str, held: Values, known: Values) -> Iterator[Published]:
     """Numbers of an entry; a row of a table has some, whose keys end in those of its columns."""
-    columns = held.get("columns") or {"": ""}
+    depends = [Dependency(one, **known[one]) for one in held.get("depends", ())]
+    columns = held.get("columns", {"": ""})
     values = np.atleast_1d(held["value"]).tolist()
     for (column, title), value in zip(columns.items(), values, strict=True):
         scale = {"absolute": 1.0, "relative": abs(value)}
@@ -49,6 +49,7 @@ def _numbers_of(name: str, held: Values) -> Iterator[Published]:
             "value": value,
             "what": f"{held['what']}, {title}".rstrip(", "),
             "tolerance": min(allowed),
+            "depends": depends,
         }
         yield Published(**held | own)
 
@@ -75,8 +76,8 @@ def check(
     score = Score.of(
         published_number(key), given, profile=provenance.RUN["profile"], crops=crops
     )
-    found = {**kind, "cases": score.cases, "verdict": score.verdict, "crops": crops}
-    record.add(record.PAPER, {key: found})
+    found = {"cases": score.cases, "verdict": score.verdict, "crops": crops}
+    record.add(record.PAPER, {key: kind | found})
 
 
 def check_all(reached: Mapping[str, Value]) -> None:

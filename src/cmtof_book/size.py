@@ -45,8 +45,11 @@ Size = tuple[str, str, float]  # where, what, and its value
 
 def code_lines(source: str, nodes: list[ast.AST]) -> int:
     """Number of lines that are not blank, comment or docstring."""
-    lines = enumerate(source.splitlines(), 1)
-    used = {number for number, line in lines if re.match(r"\s*[^\s#]", line)}
+    used = {
+        number
+        for number, line in enumerate(source.splitlines(), 1)
+        if re.match(r"\s*[^\s#]", line)
+    }
     for node in nodes:
         match node:
             case ast.Expr(value=ast.Constant(value=str())):

@@ -29,22 +29,19 @@ class Layer(NamedTuple):
     ends: Pair
     meaning: str
 
-    def colours(self) -> Array:
-        """Colours (H, W, 3), 0 to 1."""
-        low, high = self.ends
-        return plt.get_cmap(self.scale)((self.values - low) / (high - low))[..., :3]
-
     def pack(self, step: int) -> Values:
         """Every so many points for the page, and the key to their colours."""
         few = np.s_[::step, ::step]
-        key = map(to_hex, plt.get_cmap(self.scale)(np.linspace(0, 1, 9)))
+        low, high = self.ends
+        scale = plt.get_cmap(self.scale)
+        colours = scale((self.values[few] - low) / (high - low))[..., :3]
         return {
-            "shape": self.values[few].shape,
+            "shape": colours.shape[:2],
             "points": letters(self.points[few].astype("<f4")),
-            "colours": letters(np.rint(255 * self.colours()[few]).astype(np.uint8)),
+            "colours": letters(np.rint(255 * colours).astype(np.uint8)),
             "meaning": self.meaning,
             "ends": [f"{end:.3g}" for end in self.ends],
-            "scale": ", ".join(key),
+            "scale": ", ".join(map(to_hex, scale(np.linspace(0, 1, 9)))),
         }
 
 

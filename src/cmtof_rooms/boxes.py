@@ -6,8 +6,9 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from cmtof.types import Array
-from cmtof_rooms.arrays import Vector
 
+Vector = Sequence[float] | Array  # such as a point or a size, m
+Triple = tuple[float, float, float]
 Limit = Any  # A number, m, or an array of them where a `Box` stands for several
 
 
@@ -123,8 +124,9 @@ class Box(NamedTuple):
         >>> Box.standing((2.0, 1.0, 3.0)).inset(x0=0.5, z1=1.0).size.tolist()
         [1.5, 1.0, 2.0]
         """
-        limits = {name: self._inside(name, margin) for name, margin in margins.items()}
-        return self._replace(**limits)
+        return self._replace(
+            **{name: self._inside(name, margin) for name, margin in margins.items()}
+        )
 
     def layer(self, side: str, thickness: float) -> "Box":
         """Layer of a thickness, m, at one side: the one of limit ``x0``, ``x1``, ``y0``, ...

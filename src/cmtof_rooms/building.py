@@ -27,7 +27,7 @@ def build_shell(kit: Kit, room: Fields) -> Shell:
         m), and perhaps ``open``, ``slope``, ``beams``.
     """
     width, depth, height = kit.each(room["size"])
-    is_open = bool(room.get("open", False))
+    is_open = room.get("open", False)
     day = is_open or kit.chance(0.75)
     notch = (0.0, 0.0) if is_open else _notch(kit, width, depth)
     walls = _walls(width, depth, notch)
@@ -154,7 +154,6 @@ def _add_skirting(kit: Kit, shell: Shell) -> None:
         cuts = sorted((taken.x0, taken.x1) for taken in wall.taken if taken.y0 < height)
         ends = np.array([0.0, *np.ravel(cuts), wall.length]).reshape(-1, 2)
         for start, end in ends[ends[:, 1] > ends[:, 0] + 0.05]:
-            board = Box(start, end, -0.014, 0.0, 0.0, height)
-            parts += wall.place.parts(paint, board)
+            parts += wall.place.parts(paint, Box(start, end, -0.014, 0.0, 0.0, height))
     if parts:
         shell.things.append(Thing("skirting", parts))

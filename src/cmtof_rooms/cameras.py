@@ -71,8 +71,7 @@ def look_at(position: Array, target: Array, roll: float = 0.0) -> Camera:
     back = back / np.linalg.norm(back)
     right = np.cross([0.0, 0.0, 1.0], back)
     right /= np.linalg.norm(right)
-    up = np.cross(back, right)
-    axes = turn_about_z(roll) @ [right, up, back]
+    axes = turn_about_z(roll) @ [right, np.cross(back, right), back]
     return Camera(position, axes.T)
 
 
@@ -172,7 +171,8 @@ def _flaws(camera: Camera, wanted: float, interior: Interior, lens: Lens) -> flo
     behind = met & (facing > 0)  # the back of a surface: inside a solid
     distance = np.where(met, hits.distance, _FAR)
     seen = distance[:-_AROUND]
-    thing = np.where(met, interior.thing_of(hits.triangle), 0)[:-_AROUND]
+    part = interior.part[hits.triangle]
+    thing = np.where(met, interior.instance[part], 0)[:-_AROUND]
     off = abs(np.log(max(np.median(seen), 0.05) / wanted))
     off += 0.15 * max(
         0, 9 - len(np.unique(thing))

@@ -42,21 +42,15 @@ def lamp(kit: Kit, space: Box, *, style: str = "stand") -> Piece:
     cone = revolution([(radius, 0), (narrow, tall)])
     if style == "stand":
         foot = min(0.7 * radius, 0.16)
-        stand = [
-            (foot, 0),
-            (foot, 0.02),
-            (0.012, 0.03),
-            (0.012, height - tall),
-        ]
+        stand = [(foot, 0), (foot, 0.02), (0.012, 0.03), (0.012, height - tall)]
         half = 0.5 * narrow
         yield level_light((0, 0, height + 0.05), half, half, 1.0, 0.0)
         yield metal, revolution(stand)
         yield shade, move(cone, (0, 0, height - tall))
     else:
         yield level_light((0, 0, -0.03), radius, radius, 1.0)
-        middle = (0, 0, tall / 2)
-        globe = ball((radius, radius, tall / 2))
-        yield shade, move(globe, middle) if kit.chance(0.4) else cone
+        globe = move(ball((radius, radius, tall / 2)), (0, 0, tall / 2))
+        yield shade, globe if kit.chance(0.4) else cone
         yield metal, sweep([(0, 0, tall), (0, 0, height)], 0.008, 6)
 
 

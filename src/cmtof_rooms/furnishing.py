@@ -9,7 +9,7 @@ from cmtof_rooms.boxes import Box, Rectangle, Rectangles
 from cmtof_rooms.kit import Top
 from cmtof_rooms.makers import MAKERS
 from cmtof_rooms.presets import presets
-from cmtof_rooms.things import Light, Part, Place, Thing
+from cmtof_rooms.things import Light, Place, Thing
 from cmtof_rooms.vacancy import (
     Extents,
     Kind,
@@ -44,10 +44,9 @@ class Furnishing(Vacancy):
 
     def fill(self, counts: Values) -> None:
         """Place kinds, each about as often as asked for, the largest first."""
-        drawn = [(name, self._times(mean)) for name, mean in counts.items()]
-        drawn.sort(key=lambda one: _rank(_kind(one[0])))
-        for name, count in drawn:
-            for _ in range(count):
+        drawn = {name: self._times(mean) for name, mean in counts.items()}
+        for name in sorted(drawn, key=_rank):
+            for _ in range(drawn[name]):
                 self._furnish(name)
 
     def _times(self, mean: float) -> int:
@@ -57,7 +56,7 @@ class Furnishing(Vacancy):
     def _furnish(self, name: str) -> None:
         """Make one thing of a kind with what belongs to it, if there is a place for it."""
         kind = _kind(name)
-        size = self._size(kind)
+        size = self._size(name)
         place = self.find(kind, size)
         if place is None:
             return
@@ -67,14 +66,11 @@ class Furnishing(Vacancy):
         if tops:
             self._decorate(tops, kind.get("upon", {}), place)
 
-    def _size(self, kind: Kind) -> Extents:
-        """Draw a size, m, that fits under the ceiling."""
-        width, depth, height = self.kit.each(kind["size"])
-        return (
-            width,
-            depth,
-            min(height, self.shell.height - self.shell.lowest - 0.01),
-        )
+    def _size(self, name: str) -> Extents:
+        """Draw a size of a kind, m, that fits under the ceiling."""
+        width, depth, height = self.kit.each(_kind(name)["size"])
+        most = self.shell.height - self.shell.lowest - 0.01
+        return width, depth, min(height, most)
 
     def _stand(self, name: str, size: Extents, place: Place) -> list[Top]:
         """Make a thing and stand it at its place; return the tops of it."""
@@ -89,8 +85,8 @@ class Furnishing(Vacancy):
                 middle = place.carry(made.centre)
                 self.lights.append(made._replace(centre=middle, colour=WARM))
             else:
-                mesh, material = self.kit.part(*made)
-                parts.append(Part(place.move(mesh), material))
+                part = self.kit.part(*made)
+                parts += place.parts(part.material, part.mesh)
         self.things.append(Thing(name, parts))
         return tops
 
@@ -99,7 +95,7 @@ class Furnishing(Vacancy):
         sides = 1 if count == 1 else 2
         columns = -(-count // sides)
         for k in range(count):
-            seat = self._size(_kind(name))
+            seat = self._size(name)
             column, side = divmod(k, sides)
             if size[0] < columns * (seat[0] + 0.05):
                 continue
@@ -124,7 +120,7 @@ class Furnishing(Vacancy):
     def _stand_upon(self, name: str, top: Top, used: Rectangles, place: Place) -> None:
         """Make a thing and stand it on a top beside what stands there, if it fits."""
         for _ in range(4):
-            size = self._size(_kind(name))
+            size = self._size(name)
             if (np.array(size) > [*top.area.size, top.room - 0.02]).any():
                 continue
             half = np.array(size[:2]) / 2
@@ -141,7 +137,8 @@ def _kind(name: str) -> Kind:
     return presets()["kinds"][name]
 
 
-def _rank(kind: Kind) -> tuple[int, float]:
+def _rank(name: str) -> tuple[int, float]:
     """Order in which kinds are placed: walls before floors, the largest first."""
+    kind = _kind(name)
     (width, wider), (depth, deeper), _ = kind["size"]
     return RANK[kind["at"]], -(width + wider) * (depth + deeper)

@@ -23,9 +23,8 @@ from cmtof_rooms.solids import (
 def posts(x: float, y: float, thickness: float, z0: float, z1: float) -> Box:
     """Four upright bars about (±x, ±y), m."""
     half = thickness / 2
-    column = both_sides(x)[:, None]
-    row = both_sides(y)
-    return Box(column - half, column + half, row - half, row + half, z0, z1)
+    row = Box(0, 0, 0, 0, z0, z1).bars("y", both_sides(y), half)
+    return row.bars("x", both_sides(x)[:, None], half)
 
 
 def table(
@@ -49,20 +48,13 @@ def table(
     else:
         yield wood, board
     yield from LEGS[legs](kit, wood, board)
-    free = Rectangle.about((0.0, 0.0), (reach * width, reach * depth))
-    yield Top(free, height, 1.2)
+    yield Top(Rectangle.about((0.0, 0.0), (reach * width, reach * depth)), height, 1.2)
 
 
 def _pedestal(kit: Kit, wood: Material, board: Box) -> Piece:
     """A turned foot of metal below a table's board."""
     foot = 0.3 * min(board.size[:2])
-    profile = [
-        (foot, 0),
-        (foot, 0.03),
-        (0.05, 0.06),
-        (0.04, board.z0),
-    ]
-    yield "metal", revolution(profile)
+    yield "metal", revolution([(foot, 0), (foot, 0.03), (0.05, 0.06), (0.04, board.z0)])
 
 
 def _leg_panels(kit: Kit, wood: Material, board: Box) -> Piece:

@@ -99,10 +99,6 @@ class Interior:
             np.asarray(space, np.float32), self.reflected_radiance
         )
 
-    def thing_of(self, triangle: Numbers) -> Numbers:
-        """Number of the thing, from 1 on, that each triangle of given number belongs to."""
-        return self.instance[self.part[triangle]]
-
     def render(self, origin: ArrayLike, directions: Array) -> Picture:
         """Picture of what is seen along rays.
 
@@ -249,9 +245,8 @@ def _numbers(counts: list[int]) -> Numbers:
 
 def _tiles(shape: Shape) -> Numbers:
     """Number 0 to 15 of each pixel (H, W): every 4 x 4 pixels have all, neighbours far ones."""
-    order = [0, 10, 2, 8, 5, 15, 7, 13, 1, 11, 3, 9, 4, 14, 6, 12]
-    y, x = np.indices(shape) % 4
-    return np.take(order, 4 * y + x)
+    order = [[0, 10, 2, 8], [5, 15, 7, 13], [1, 11, 3, 9], [4, 14, 6, 12]]
+    return np.array(order)[tuple(np.indices(shape) % 4)]
 
 
 def _smooth(image: Array, part: Numbers, normal: Array) -> Array:

@@ -88,11 +88,13 @@ class Kit:
 
 def household(rng: Generator) -> Kit:
     """Draw the materials that everything in a room is made of."""
-    palette = {
-        role: [_material(rng, drawn) for _ in range(drawn["count"])]
-        for role, drawn in presets()["materials"].items()
-    }
-    return Kit(rng, palette)
+    return Kit(
+        rng,
+        {
+            role: [_material(rng, drawn) for _ in range(drawn["count"])]
+            for role, drawn in presets()["materials"].items()
+        },
+    )
 
 
 def _material(rng: Generator, drawn: Fields) -> Material:
@@ -113,5 +115,5 @@ def _material(rng: Generator, drawn: Fields) -> Material:
 
 def weighted_choice(rng: Generator, weights: Values) -> str:
     """Draw a name by its weight."""
-    odds = np.array(list(weights.values()), float)
+    odds = np.fromiter(weights.values(), float)
     return str(rng.choice(list(weights), p=odds / odds.sum()))

@@ -6,7 +6,7 @@ from typing import NamedTuple
 import numpy as np
 
 from cmtof.types import Array, Arrays, Numbers
-from cmtof_rooms.arrays import Triple
+from cmtof_rooms.boxes import Triple
 
 Colour = Triple
 
@@ -26,10 +26,8 @@ class Material(NamedTuple):
 
 def _hash(i: Array, j: Array) -> Array:
     """Number in [0, 1), which looks random, for each pair of whole numbers."""
-    first = i.astype(np.int64).astype(np.uint32)
-    second = j.astype(np.int64).astype(np.uint32)
-    bits = first * 374761393
-    bits += second * 668265263
+    mixed = i.astype(np.int64) * 374761393 + j.astype(np.int64) * 668265263
+    bits = mixed.astype(np.uint32)
     bits ^= bits >> 13
     bits *= 1274126177
     bits ^= bits >> 16
@@ -144,9 +142,7 @@ class Palette:
         self._second = np.array(second, np.float32)
         self._scale = np.array(scale, np.float32)
         self.emission = np.array(emission, np.float32)
-        share = np.where(self._pattern == "plain", 0.0, MEAN_SHARE)[:, None].astype(
-            np.float32
-        )
+        share = np.float32(MEAN_SHARE) * (self._pattern != "plain")[:, None]
         self.mean = self._colour + share * (self._second - self._colour)
 
     def albedo(

@@ -93,9 +93,9 @@ class RenderedView(NamedTuple):
     @property
     def frame(self) -> Frame:
         """Frame for the simulator: range, linear green, camera."""
-        depth = self.picture.depth
         green = self.picture.color[..., 1]
-        return Frame(depth, green, self.lens.camera, f"{self.room.name}/{self.camera}")
+        name = f"{self.room.name}/{self.camera}"
+        return Frame(self.picture.depth, green, self.lens.camera, name)
 
 
 class Report(NamedTuple):
@@ -123,7 +123,7 @@ def shape_from_text(text: str) -> Shape:
         If it is none, or not of 1 to `LARGEST` px.
     """
     try:
-        height, width = (int(part) for part in text.lower().split("x"))
+        height, width = map(int, text.lower().split("x"))
     except ValueError as error:
         raise ValueError(
             f"Expected a size like 512x512, got {text}. Try 768x1024."
@@ -187,23 +187,17 @@ def views_of_room(
         yield RenderedView(room, lens, camera, number, expose(seen, rank))
 
 
-def view_exists(root: str | Path, scene: str, camera: str, frame: int) -> bool:
+def view_exists(root: Path, view: View) -> bool:
     """Whether all four files of a view are there, and therefore whole."""
-    return all(View(scene, camera, frame).file(root, kind).is_file() for kind in FILES)
+    return all(view.file(root, kind).is_file() for kind in FILES)
 
 
-def write_view(
-    root: str | Path,
-    scene: str,
-    camera: str,
-    frame: int,
-    **arrays: ArrayLike,
-) -> None:
+def write_view(root: Path, view: View, **arrays: ArrayLike) -> None:
     """Write color (linear radiance), depth (m), normal and instance, whole and always alike."""
     import h5py
 
     for kind, (_, _, dtype) in FILES.items():
-        path = View(scene, camera, frame).file(root, kind)
+        path = view.file(root, kind)
         path.parent.mkdir(parents=True, exist_ok=True)
         with np.errstate(
             over="ignore"
@@ -228,15 +222,10 @@ def render_room(root: Path, settings: Settings, index: int) -> Report:
     """Write the views of one room that are not there yet."""
     name = room_name(settings.seed, index)
     views = _views(index, settings.views)
-    missing = [view for view in views if not view_exists(root, name, *view)]
-    for view in views_of_room(settings, index, missing) if missing else ():
-        write_view(
-            root,
-            name,
-            view.camera,
-            view.number,
-            **view.picture._asdict(),
-        )
+    missing = [view for view in views if not view_exists(root, View(name, *view))]
+    for seen in views_of_room(settings, index, missing) if missing else ():
+        view = View(name, seen.camera, seen.number)
+        write_view(root, view, **seen.picture._asdict())
     return Report(name, len(missing))
 
 

@@ -71,8 +71,8 @@ class FurnishedRoom:
     floor : list of Rectangle
     height : float
         Of the ceiling, m.
-    furniture : range
-        Numbers of the things that do not belong to the house itself.
+    furniture : list of Thing
+        What does not belong to the house itself; of an empty room, everything.
     """
 
     seed: int
@@ -81,7 +81,7 @@ class FurnishedRoom:
     interior: Interior
     floor: Rectangles
     height: float
-    furniture: range
+    furniture: list[Thing]
 
     @property
     def name(self) -> str:
@@ -103,13 +103,12 @@ class FurnishedRoom:
             draw=partial(camera_across, self.floor, self.height, rng),
         )
         rng = stream(self.seed, self.index, CLOSE)
-        things = [self.interior.things[number - 1] for number in self.furniture]
         near = choose_cameras(
             close,
             self.interior,
             lens,
             wanted=partial(range_close, rng),
-            draw=partial(camera_close, middles_of(things), rng),
+            draw=partial(camera_close, middles_of(self.furniture), rng),
         )
         return {"cam_00": across, "cam_01": near}
 
@@ -132,7 +131,6 @@ def build_room(seed: int, index: int) -> FurnishedRoom:
         [np.full(3, 0.1), np.array([shell.width, shell.depth, shell.height]) - 0.1],
         sky=shell.sky,
     )
-    first = len(shell.things) if inside.things else 0  # of an empty room, everything
     return FurnishedRoom(
         seed,
         index,
@@ -140,7 +138,7 @@ def build_room(seed: int, index: int) -> FurnishedRoom:
         interior,
         shell.floor,
         shell.height,
-        range(first + 1, len(interior.things) + 1),
+        inside.things or shell.things,
     )
 
 

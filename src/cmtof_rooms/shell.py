@@ -9,8 +9,7 @@ from dataclasses import dataclass, field
 import numpy as np
 from trimesh import Trimesh
 
-from cmtof_rooms.arrays import Triple
-from cmtof_rooms.boxes import Box, Rectangle, Rectangles
+from cmtof_rooms.boxes import Box, Rectangle, Rectangles, Triple
 from cmtof_rooms.kit import Kit
 from cmtof_rooms.solids import move, plate
 from cmtof_rooms.things import Light, Place, Thing

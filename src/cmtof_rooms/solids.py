@@ -11,9 +11,10 @@ from trimesh import Trimesh
 
 from cmtof.types import Array, Numbers
 
+# Corners of a unit cube about the origin.
 _CORNERS = np.indices((2, 2, 2)).reshape(3, 8).T - 0.5
-"""Corners of a unit cube about the origin."""
 
+# Corners of each side of the cube, counter-clockwise from outside.
 _SIDES = [
     [0, 1, 3, 2],
     [4, 6, 7, 5],
@@ -22,10 +23,9 @@ _SIDES = [
     [0, 2, 6, 4],
     [1, 5, 7, 3],
 ]
-"""Corners of each side of the cube, counter-clockwise from outside."""
 
+# Corners of a quadrilateral that make its two triangles.
 _HALVES = [[0, 1, 2], [0, 2, 3]]
-"""Corners of a quadrilateral that make its two triangles."""
 
 _BOX_FACES = np.array(_SIDES)[:, _HALVES].reshape(12, 3)
 
@@ -98,7 +98,7 @@ def plate(
     cut = np.array(holes, float).reshape(-1, 4)
     x = _lines(width, cut[:, :2])
     z = _lines(height, cut[:, 2:])
-    cells = cells_of(np.arange(len(x) * len(z)).reshape(len(x), len(z)))
+    cells = cells_of(np.arange(len(x) * len(z)).reshape(len(x), -1))
     whole = np.ones(cells.shape[:2], bool)
     for hole in cut:
         across = slice(*np.searchsorted(x, hole[:2]))
@@ -113,19 +113,14 @@ def plate(
 
 def _lines(length: float, edges: Array) -> Array:
     """Positions of grid lines: both ends and every edge of a hole between them."""
-    every = np.append(edges, [0.0, length])
-    return np.unique(np.clip(every, 0, length))
+    return np.unique(np.clip(np.append(edges, [0.0, length]), 0, length))
 
 
 def cells_of(number: Numbers) -> Numbers:
     """Corners (N - 1, M - 1, 4), in turn, of the cells of a grid of numbered points (N, M)."""
-    corners = [
-        number[:-1, :-1],
-        number[1:, :-1],
-        number[1:, 1:],
-        number[:-1, 1:],
-    ]
-    return np.stack(corners, -1)
+    low = number[:-1]
+    high = number[1:]
+    return np.stack([low[:, :-1], high[:, :-1], high[:, 1:], low[:, 1:]], -1)
 
 
 def triangles_of(cells: Numbers) -> Numbers:
@@ -227,7 +222,7 @@ def ball(
         phase = rng.uniform(0, 2 * np.pi, 6)
         bumps = np.cos(points @ waves.T + phase).mean(axis=1, keepdims=True)
         points *= 1 + noise * bumps
-    return mesh_from(points * np.broadcast_to(radius, 3), unit.faces)
+    return mesh_from(np.multiply(points, radius), unit.faces)
 
 
 def sheet(grid: ArrayLike, thickness: float) -> Trimesh:
@@ -244,43 +239,35 @@ def sheet(grid: ArrayLike, thickness: float) -> Trimesh:
     normal = np.cross(other, diagonal)
     back = points - thickness * normal / np.linalg.norm(normal)
     vertices = np.concatenate([points, back]).reshape(-1, 3)
-    faces = _sheet_faces(len(vertices) // 2, points.shape[1])
-    return mesh_from(vertices, faces)
+    return mesh_from(vertices, _sheet_faces(len(vertices) // 2, points.shape[1]))
 
 
 def _sheet_faces(count: int, columns: int) -> Numbers:
     """Triangles of a closed sheet whose two sides have ``count`` vertices each, row by row."""
     number = np.arange(count).reshape(-1, columns)
     front = triangles_of(cells_of(number).reshape(-1, 4))
-    edges = [
-        number[:-1, 0],
-        number[-1, :-1],
-        number[:0:-1, -1],
-        number[0, :0:-1],
-    ]
-    rim = np.concatenate(edges)
+    rim = np.concatenate(
+        [number[:-1, 0], number[-1, :-1], number[:0:-1, -1], number[0, :0:-1]]
+    )
     following = np.roll(rim, -1)
-    faces = [
-        front,
-        front[:, ::-1] + count,
-        _join_corners(rim, rim + count, following),
-        _join_corners(following, rim + count, following + count),
-    ]
-    return np.concatenate(faces)
+    return np.concatenate(
+        [
+            front,
+            front[:, ::-1] + count,
+            _join_corners(rim, rim + count, following),
+            _join_corners(following, rim + count, following + count),
+        ]
+    )
 
 
 def join(meshes: Iterable[Trimesh]) -> Trimesh:
     """Several solids as one mesh."""
-    several = list(meshes)
-    vertices = [one.vertices for one in several]
-    faces = [one.faces for one in several]
-    return mesh_from(*trimesh.util.append_faces(vertices, faces))
+    return trimesh.util.concatenate(list(meshes))  # pyright: ignore[reportReturnType]
 
 
 def move(mesh: Trimesh, shift: ArrayLike, turn: float = 0.0) -> Trimesh:
     """Copy turned by ``turn``, rad, about z, then shifted, m."""
-    turned = mesh.vertices @ turn_about_z(turn)
-    return mesh_from(turned + np.asarray(shift, float), mesh.faces)
+    return mesh_from(np.add(mesh.vertices @ turn_about_z(turn), shift), mesh.faces)
 
 
 def turn_about_z(turn: float) -> Array:

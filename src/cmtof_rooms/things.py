@@ -7,8 +7,7 @@ from numpy.typing import ArrayLike
 from trimesh import Trimesh
 
 from cmtof.types import Array
-from cmtof_rooms.arrays import Vector
-from cmtof_rooms.boxes import Box
+from cmtof_rooms.boxes import Box, Vector
 from cmtof_rooms.materials import Colour, Material
 from cmtof_rooms.solids import join, move, slab, turn_about_z
 
@@ -43,16 +42,12 @@ class Place(NamedTuple):
     def carry(self, points: ArrayLike) -> Array:
         """Points (..., 3) of the frame in the room, m."""
         turned = np.asarray(points, float) @ turn_about_z(self.turn)
-        return turned + np.array([self.x, self.y, self.z])
+        return np.add(turned, (self.x, self.y, self.z))
 
     def at(self, x: float, y: float, z: float = 0.0, turn: float = 0.0) -> "Place":
         """Frame at a point of this one, m, turned by ``turn`` in it."""
         x, y, z = self.carry((x, y, z))
         return Place(x, y, self.turn + turn, z)
-
-    def move(self, mesh: Trimesh) -> Trimesh:
-        """Copy of a solid of the frame in the room."""
-        return move(mesh, (self.x, self.y, self.z), self.turn)
 
     def parts(self, material: Material, *solids: Trimesh | Box) -> list[Part]:
         """Solids of the frame, each as a part of one material in the room."""
@@ -62,7 +57,8 @@ class Place(NamedTuple):
                 meshes += [slab(*single) for single in solid.singles()]
             else:
                 meshes.append(solid)
-        return [Part(self.move(mesh), material) for mesh in meshes]
+        origin = (self.x, self.y, self.z)
+        return [Part(move(mesh, origin, self.turn), material) for mesh in meshes]
 
 
 ROOM = Place(0.0, 0.0)  # the room's own frame

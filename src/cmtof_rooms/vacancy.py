@@ -5,8 +5,7 @@ from dataclasses import dataclass, field
 import numpy as np
 
 from cmtof.types import Array, Fields
-from cmtof_rooms.arrays import Triple, Vector
-from cmtof_rooms.boxes import Rectangle, Rectangles
+from cmtof_rooms.boxes import Rectangle, Rectangles, Triple, Vector
 from cmtof_rooms.kit import Kit
 from cmtof_rooms.shell import Shell, Wall
 from cmtof_rooms.solids import turn_about_z

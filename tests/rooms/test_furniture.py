@@ -75,10 +75,9 @@ def room(request):
 
 def standing(room):
     """Kind and bounds of what takes up space: all but rugs and what lies on something."""
-    things = [room.interior.things[number - 1] for number in room.furniture]
     return [
         (thing.kind, *bounds(thing.parts))
-        for thing in things
+        for thing in room.furniture
         if KINDS[thing.kind]["at"] not in ("flat", "top")
     ]
 
