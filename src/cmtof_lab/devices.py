@@ -256,4 +256,4 @@ def simulated_devices(instrument: SimulatedInstrument, rig: Rig) -> Fields:
 
 def _round_to_codes(phases: ArrayLike) -> Array:
     """Phases as the drivers' codes hold them, rad in [0, 2 pi)."""
-    return np.rint(phases * CODES / TAU) % CODES * (TAU / CODES)
+    return np.rint(np.multiply(phases, CODES) / TAU) % CODES * (TAU / CODES)

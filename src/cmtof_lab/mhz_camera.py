@@ -120,7 +120,7 @@ class MhzCamera:
 
         Direct, blurred, and scattered evenly from all of ``field``.
         """
-        return tuple(  # pyright: ignore[reportReturnType]
+        return tuple(
             (1 - self.veil) * gaussian_filter(own, self.blur, mode="nearest")
             + self.veil * every.mean()
             for own, every in zip(self._lights(view), self._lights(field), strict=True)

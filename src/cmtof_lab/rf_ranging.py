@@ -229,7 +229,7 @@ class RfRanger(PhaseRanger):
 def skew_quadratures(phasor: Complex, gain: float, error: float) -> Complex:
     """Reading of an I/Q mixer whose Q is ``gain`` too large and ``error``, rad, off 90 degrees."""
     turned = phasor * np.exp(1j * error)
-    return phasor.real + 1j * gain * turned.imag  # pyright: ignore[reportAttributeAccessIssue]
+    return phasor.real + 1j * gain * turned.imag
 
 
 def rf_image(ranger: RfRanger, target: Target, angles: Array, *, seed: int) -> Array:
