@@ -112,7 +112,7 @@ def embedded_frames() -> dict[str, Path]:
 
 
 def held_out_frames() -> list[Frame]:
-    """The test set of Tables 1 to 3: 32 views of 384 x 512 px, chosen by `cmtof_book.frames`."""
+    """The test set of Tables 1 to 3: 32 views of 384 x 512 px, chosen by `cmtof_rooms.held_out`."""
     # second differences of depth along rows, first ones of √I in bytes
     arrays = read_npz(HELD_OUT)
     slopes = arrays["depth"].cumsum(axis=2, dtype=np.int32)

@@ -20,26 +20,19 @@ from cmtof.correlation import (
 from cmtof.hardware.plan import plan_scan
 from cmtof.measurement import Measurement
 from cmtof.types import Array, Complex, Fields, Numbers
-from cmtof_lab.instrument import correlated
+from cmtof_lab.finishes import CATALOGUE
+from cmtof_lab.instrument import with_noise
 from cmtof_lab.objects import still_life
 from cmtof_lab.optics import trace
 from cmtof_lab.rehearsal import rig_of
-from cmtof_lab.settings import NOISE, TwinSettings
+from cmtof_lab.settings import TwinSettings
 from cmtof_lab.targets import MeshTarget
 
 QUIET = TwinSettings()
-# Deviation of a phasor's parts, share of the emitted light, as at the photon limit of a scan
-DARK = np.reshape([1.9e-9, 4.7e-9], (2, 1, 1))
 MIXED = 0.3 * wrap_length(FREQUENCY_SINGLE)  # departure that mixes two surfaces, m
 
-# Kinds of pieces, least and largest sizes, m, as ``objects.yml`` states them
-SIZES = {
-    "box": ([0.01, 0.01, 0.01], [0.16, 0.16, 0.16]),
-    "ellipsoid": ([0.01, 0.01, 0.01], [0.09, 0.09, 0.09]),
-    "rod": ([0.1, 0.003], [0.5, 0.02]),
-    "torus": ([0.02, 0.004], [0.07, 0.015]),
-}
-MIRRORED = (0.0, 0.03, 0.1, 0.6, 0.95)  # specular weights, one as often as another
+MADE_UP = CATALOGUE["made_up"]
+SIZES = MADE_UP["sizes"]
 
 
 def rendered_still(number: int, size: int) -> Measurement:
@@ -76,16 +69,6 @@ def rendered_scene(
     return phasor.reshape(2, size, size), reach[:, 0].reshape(size, size)
 
 
-def with_noise(phasor: Complex, rng: Generator) -> Complex:
-    """Phasors (2, H, W) with noise of the detector and, shared by neighbours, of the captures."""
-    captures = NOISE["captures"]
-    dark = DARK * rng.standard_normal((2, *phasor.shape))
-    own = rng.standard_normal(phasor.shape)
-    turn = correlated(own, np.roll(own, 1, axis=-1), captures["grain"])
-    turn *= np.reshape(captures["phase_noise"], (2, 1, 1))
-    return (phasor + dark[0] + 1j * dark[1]) * np.exp(1j * turn)
-
-
 def made_up_thing(rng: Generator) -> list[Fields]:
     """One to four pieces of random shapes, as ``objects.yml`` states those of its objects."""
     return [_piece(rng) for _ in range(rng.integers(1, 5))]
@@ -95,7 +78,7 @@ def _piece(rng: Generator) -> Fields:
     """A piece of a random shape, look and place."""
     piece = {
         "look": np.exp(rng.uniform(-3.2, -0.15)),
-        "mirrored": rng.choice(MIRRORED),
+        "mirrored": rng.choice(MADE_UP["mirrored"]),
         "turn": rng.uniform(-np.pi, np.pi),
         "at": rng.uniform([-0.1, -0.08, 0], [0.1, 0.08, 0.2]),
     }
@@ -103,7 +86,7 @@ def _piece(rng: Generator) -> Fields:
         kind = rng.choice(list(SIZES))
         return piece | {kind: rng.uniform(*SIZES[kind])}
     piece["at"][2] = 0
-    waves = rng.normal(0, [0.002, 150, 150, 150, 0, 3], (3, 6))
+    waves = rng.normal(0, MADE_UP["waves"], (3, 6))
     waves[:, 4] = rng.integers(0, 20, 3)
     piece |= {"body": _profile(rng), "relief": waves}
     if rng.uniform() < 0.5:

@@ -4,14 +4,13 @@
 
 Everything is simulated. Scans go to build/scanned; what is there, or among the stored rates, is not
 computed again. Rates and fine-tuned weights go where the chapters read them: book/results. What is
-taken out of book/results/scanned.json is counted again, as it must be after another training.
+taken out of book/results/scanned.json or book/results/scanned is counted or trained again.
 """
 
-import shutil
-from collections.abc import Callable, Iterable
+from collections.abc import Callable, Iterable, Iterator
 from dataclasses import replace
 from functools import partial
-from itertools import product
+from itertools import chain, product
 from pathlib import Path
 from typing import Any
 
@@ -36,8 +35,9 @@ from cmtof_lab.rehearsal import scan_scene
 from cmtof_lab.settings import NOISE, TwinSettings
 from cmtof_lab.targets import MeshTarget, Plane, Target, scene_from
 
-# Options by row of a table, whose name is the method unless they say another.
-Rows = dict[str, Values]
+# Rows of a table by name: a method and, if need be, how its weights are found or trained.
+Row = tuple[Any, ...]
+Rows = dict[str, Row]
 
 RATES = RESULTS / "scanned.json"
 FOLDER = Path("build/scanned")  # of the scans
@@ -94,7 +94,7 @@ TUNED_ROWS = {
 # Options of `cmtof.network.tuning.fine_tune`, on scans and on rendered still lifes.
 TUNING: Values = {"steps": 600, "learning_rate": 5e-4, "crop": 192, "batch": 2}
 LEARNING: Values = TUNING | {"steps": 2500}
-TUNING_AFTER: Values = TUNING | {"learning_rate": 2e-4}  # what still lifes have taught
+REPEATED = 10  # times that a scan is counted among still lifes
 
 DEPTH_WEIGHT = 0.005  # weight of the distance in depth, 1/mm, as where the network was trained last
 
@@ -244,24 +244,44 @@ def labelled_scan(number: int, group: int) -> Measurement:
 
 def rendered_weights(legs: int) -> Path:
     """Weights after legs on rendered still lifes, `STILLS` more in each; before any, of rooms."""
+    path = weights_path(NETWORK, "released", FOLDER / f"rendered_{legs}")
+    start = partial(rendered_weights, legs - 1)
+    stills = examples(legs * STILLS, RENDERED)
     if not legs:
         return weights_path(NETWORK, "released")
-    start = rendered_weights(legs - 1)
-    stills = range(legs * STILLS)
-    return trained_leg(f"rendered_{legs}", start, stills, RENDERED, LEARNING, legs)
+    return trained_leg(path, start, stills, seed=legs, **LEARNING)
 
 
-def tuned_weights(scans: int, legs: int = 0) -> Path:
-    """Weights tuned on labelled scans, after legs on rendered still lifes."""
-    start = rendered_weights(legs)
-    options = TUNING_AFTER if legs else TUNING
-    return trained_leg(f"tuned_{scans}_{legs}", start, range(scans), 0, options, 1)
+def tuned_weights(scans: int) -> Path:
+    """Weights of rooms, tuned on labelled scans alone."""
+    path = weights_path(NETWORK, "released", FOLDER / f"tuned_{scans}_1")
+    start = partial(rendered_weights, 0)
+    return trained_leg(path, start, examples(scans), seed=1, **TUNING)
+
+
+def best_weights() -> Path:
+    """Weights tuned on labelled scans among still lifes, which they would forget without them."""
+    path = weights_path(NETWORK, "released", TUNED)
+    start = partial(rendered_weights, LEGS)
+    scans = examples(LABELS["labelled"], times=REPEATED)
+    both = chain(examples(LEGS * STILLS, RENDERED), scans)
+    return trained_leg(path, start, both, seed=LEGS + 1, **LEARNING)
+
+
+def examples(count: int, group: int = 0, times: int = 1) -> Iterator[Any]:
+    """The first examples of a group one by one, so that only what is learnt from them is held."""
+    return (example(number, group) for number in [*range(count)] * times)
 
 
 def trained_leg(
-    name: str, start: Path, numbers: range, group: int, options: Values, seed: int
+    path: Path,
+    start: Callable[[], Path],
+    learnt: Iterable[Any],
+    *,
+    seed: int,
+    **options: Any,
 ) -> Path:
-    """Weights by name, trained from others on examples of a group unless they are there.
+    """Path of weights, which are trained from others on examples unless they are there.
 
     The learning rate falls to zero; in half precision where the processor can.
     """
@@ -270,20 +290,17 @@ def trained_leg(
     from cmtof.network.tuning import fine_tune
     from cmtof.network.weights import load_weights, save_weights
 
-    path = weights_path(NETWORK, "released", FOLDER / name)
     if not path.exists():
-        trained = load_weights(start)
+        trained = load_weights(start())
         model = trained.network.model
         trained.network.model = model._replace(depth_weight=DEPTH_WEIGHT)
-        # one by one: only what is learnt from them stays in memory
-        examples = (example(number, group) for number in numbers)
         torch.set_num_threads(1)
         # without a cache, which would keep the first step's weights for the whole block
         with torch.autocast("cpu", torch.bfloat16, cache_enabled=False):
-            tuned, losses = fine_tune(trained, examples, seed=seed, **options)
+            tuned, losses = fine_tune(trained, learnt, seed=seed, **options)
         path.parent.mkdir(exist_ok=True)
         save_weights(path, tuned.network, tuned.card)
-        print(name, np.mean(losses[-50:]), flush=True)
+        print(path.parent.name, np.mean(losses[-50:]), flush=True)
     return path
 
 
@@ -319,12 +336,12 @@ def counts_of(scans: Iterable[Measurement], **options: Any) -> list[Values]:
     ]
 
 
-def wraps_off(scans: Iterable[Measurement], row: str, options: Values) -> list:
+def wraps_off(scans: Iterable[Measurement], row: Row) -> list:
     """Of each scan: scored pixels, and how many are off by fewer wraps than 1, 2, 3 and 10."""
-    return [
-        [one["pixels"], *one["below"]]
-        for one in counts_of(scans, **({"method": row} | options))
-    ]
+    method, *trained = row
+    options = {"weights": trained[0]()} if trained else {}
+    every = counts_of(scans, method=method, **options)
+    return [[one["pixels"], *one["below"]] for one in every]
 
 
 def scan_for_row(row: str, name: str, noise: Noise, seed: int) -> Measurement:
@@ -340,27 +357,26 @@ def scan_for_row(row: str, name: str, noise: Noise, seed: int) -> Measurement:
     return scan
 
 
-def validation_rates(weights: Path) -> list[float]:
+def validation_rates(trained: Callable[[], Path]) -> list[float]:
     """Shares of right wraps on scans of the things that are held out."""
     scans = (example(number, 1)[0] for number in range(VALIDATED))
-    every = counts_of(scans, method=NETWORK, weights=weights)
-    return [round(one["below"][0] / one["pixels"], 4) for one in every]
+    every = wraps_off(scans, (NETWORK, trained))
+    return [round(right / pixels, 4) for pixels, right, *_ in every]
 
 
 def compare(counts: Counts, noise: str, rows: Rows) -> None:
     """Count rows of methods on three scans of each of the shown scenes."""
-    for (row, options), name in product(rows.items(), SHOWN):
-        given = (scan_for_row(row, name, noise, seed) for seed in SEEDS)
-        of = partial(wraps_off, given, row, options)
-        counts.keep("counts", noise, row, name, of=of)
+    for (name, row), scene in product(rows.items(), SHOWN):
+        given = (scan_for_row(name, scene, noise, seed) for seed in SEEDS)
+        counts.keep("counts", noise, name, scene, of=partial(wraps_off, given, row))
 
 
 def sweep(counts: Counts, rows: Rows) -> None:
     """Count scans of fewer points and of other noise: every second, every fourth point of each."""
-    for level, stride, (row, options) in product(LEVELS, STRIDES, rows.items()):
-        given = (thin_scan(kept_scan(name, LEVELS[level]), stride) for name in SWEPT)
-        of = partial(wraps_off, given, row, options)
-        counts.keep("sweep", level, str(SIZE // stride), row, of=of)
+    for level, stride, (name, row) in product(LEVELS, STRIDES, rows.items()):
+        given = (thin_scan(kept_scan(scene, LEVELS[level]), stride) for scene in SWEPT)
+        side = str(SIZE // stride)
+        counts.keep("sweep", level, side, name, of=partial(wraps_off, given, row))
 
 
 def thin_scan(scan: Measurement, stride: int) -> Measurement:
@@ -373,28 +389,26 @@ def main() -> None:
     """Compute what is missing, and store it."""
     FOLDER.mkdir(parents=True, exist_ok=True)
     counts = Counts(RATES)
-    stages = {f"rendered {legs}": rendered_weights(legs) for legs in range(LEGS + 1)}
-    best = stages["tuned"] = tuned_weights(LABELS["labelled"], LEGS)
-    for stage, weights in stages.items():
-        counts.keep("validation", stage, of=partial(validation_rates, weights))
-    shutil.copytree(best.parent, TUNED, dirs_exist_ok=True)
+    stages = {f"rendered {n}": partial(rendered_weights, n) for n in range(LEGS + 1)}
+    for stage, trained in {**stages, "tuned": best_weights}.items():
+        counts.keep("validation", stage, of=partial(validation_rates, trained))
     counts.store(
         command="python -m cmtof_book.scanned",
         version=__version__,
         settings={"size": SIZE, "seeds": SEEDS, "rendered": LEGS * STILLS} | LABELS,
-        legs=[TUNING, LEARNING, TUNING_AFTER],
-        weights=read_card(best).sha256,
+        legs=[TUNING, LEARNING],
+        weights=read_card(best_weights()).sha256,
     )
-    rows: Rows = {name: {} for name in (*METHODS, *TOLD) if name != "phasor"}
-    for row, method in TUNED_ROWS.items():
-        rows[row] = {"method": method, "weights": best}
-    stray: Rows = {f"stray {method}": {"method": method} for method in STRAY}
+    rows: Rows = {name: (name,) for name in (*METHODS, *TOLD) if name != "phasor"}
+    for name, method in TUNED_ROWS.items():
+        rows[name] = (method, best_weights)
+    stray: Rows = {f"stray {method}": (method,) for method in STRAY}
     compare(counts, "photon", rows | stray)
-    sweep(counts, {NETWORK: {"weights": best}, "kde": {}, "reference-contact": {}})
-    rows["phasor"] = {}
-    rows["rendered"] = {"method": NETWORK, "weights": stages[f"rendered {LEGS}"]}
+    swept = ("kde", *TOLD)
+    sweep(counts, {NETWORK: rows["tuned"], **{name: (name,) for name in swept}})
+    rows |= {"phasor": ("phasor",), "rendered": (NETWORK, stages[f"rendered {LEGS}"])}
     for n in CURVE:
-        rows[f"{n} scans"] = {"method": NETWORK, "weights": tuned_weights(n)}
+        rows[f"{n} scans"] = (NETWORK, partial(tuned_weights, n))
     compare(counts, "captures", rows)
 
 

@@ -30,8 +30,8 @@ from cmtof.frame import Frame, held_out_frames  # noqa: E402
 from cmtof.methods import METHODS, find_method, names_of  # noqa: E402
 from cmtof.network.weights import read_card, weights_path  # noqa: E402
 from cmtof.types import Pair  # noqa: E402
-from cmtof_book.frames import views_of_size  # noqa: E402
 from cmtof_book.provenance import read_json  # noqa: E402
+from cmtof_rooms.held_out import views_of_size  # noqa: E402
 from cmtof_rooms.rendering import shape_from_text  # noqa: E402
 
 

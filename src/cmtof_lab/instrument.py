@@ -42,7 +42,7 @@ from cmtof_lab.optics import (
     outward,
     trace,
 )
-from cmtof_lab.settings import TwinSettings
+from cmtof_lab.settings import NOISE, TwinSettings
 from cmtof_lab.targets import Plane, scene_from
 
 HARMONICS = 16  # Highest harmonic of the drive that is kept: J_16(2 eta) < 1e-12 up to eta = 1.5
@@ -52,6 +52,9 @@ DRIFT_RMS = 1 / np.sqrt(2 * DRIFT_OCTAVES.size)
 
 # Phase noise of a step over that of 16: mean of (2 sin^2)^2 is 3/2
 STEP_NOISE = np.sqrt(32 / 3)
+
+# Deviation of a phasor's parts, share of the emitted light, as at the photon limit of a scan
+DARK = np.reshape([1.9e-9, 4.7e-9], (2, 1, 1))
 
 LABEL = 1  # purposes of random numbers
 DRIFT = 5
@@ -81,6 +84,16 @@ def correlated(own: Array, before: Array, grain: float) -> Array:
     """Normals, each correlated by ``grain`` with the next, of white ones and the ones before."""
     mix = np.arcsin(2 * grain) / 2  # cos sin of it is the correlation
     return np.cos(mix) * own + np.sin(mix) * before
+
+
+def with_noise(phasor: Complex, rng: Generator) -> Complex:
+    """Phasors (2, H, W) with noise of the detector and, shared by neighbours, of the captures."""
+    captures = NOISE["captures"]
+    dark = DARK * rng.standard_normal((2, *phasor.shape))
+    own = rng.standard_normal(phasor.shape)
+    turn = correlated(own, np.roll(own, 1, axis=-1), captures["grain"])
+    turn *= np.reshape(captures["phase_noise"], (2, 1, 1))
+    return (phasor + dark[0] + 1j * dark[1]) * np.exp(1j * turn)
 
 
 def drift(seed: int, channel: int, time: ArrayLike) -> Array:

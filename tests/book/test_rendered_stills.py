@@ -13,9 +13,9 @@ from cmtof_book.rendered_stills import (
     made_up_thing,
     rendered_scene,
     rendered_still,
-    with_noise,
 )
 from cmtof_lab.budget import ideal_but_for
+from cmtof_lab.instrument import with_noise
 from cmtof_lab.objects import still_life
 from cmtof_lab.rehearsal import scan_scene
 from cmtof_lab.settings import NOISE
