@@ -48,11 +48,11 @@ def _beats(field: Field, cells: Cells) -> Beats:
     """One pass of `pooled_beats`."""
     turned = cell_phasors(field, cells)
     lag, known = lags_of_phasors(field, turned, cells.information)
-    found = _weighted_beats(field, cells, turned, np.ones(lag.shape))
-    for _ in range(_PASSES):
+    weight = np.ones(lag.shape)
+    for _ in range(1 + _PASSES):
+        found = _weighted_beats(field, cells, turned, weight)
         off = lag - np.append(found[0], 0)[cells.main]
         weight = _CREDIBLE**2 / np.maximum(known * off**2, _CREDIBLE**2)
-        found = _weighted_beats(field, cells, turned, weight)
     return found
 
 

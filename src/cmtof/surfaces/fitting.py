@@ -49,25 +49,35 @@ def _moments(field, region, q):  # pragma: no cover - compiled
     change = -(depths_of_blocks(q, functions) ** 2) * functions  # of the depth
     k = field.wavenumber
     turns = field.turns
-    sums = np.zeros(4)
-    g = np.zeros(BENT)
-    h = np.zeros(BENT)
-    for n in range(len(places)):
-        pull = both = 0.0
-        for f in range(2):
-            error = total[f, n].imag
-            information = known[f, n]
-            sums[0] += total[f, n].real
-            sums[1] += information
-            sums[2] += error * turns[f]
-            sums[3] += information * turns[f] * turns[f]
-            pull += error * k[f]
-            both += information * turns[f] * k[f]
-        for i in range(BENT):
-            g[i] += pull * change[i, n]
-            h[i] += both * change[i, n]
+    error = total.imag
+    g = _weighted_sum(change, error[0] * k[0] + error[1] * k[1])
+    h = _weighted_sum(change, known[0] * turns[0] * k[0] + known[1] * turns[1] * k[1])
     bend = known[0] * k[0] ** 2 + known[1] * k[1] ** 2
+    sums = _sums_of_offset(total, known, turns)
     return sums, g, h, _products(bend * change, change)
+
+
+@njit()
+def _sums_of_offset(total, known, turns):  # pragma: no cover - compiled
+    """Sums S, E, b, c (4,) over the phasors of blocks (2, N) and their E (2, N)."""
+    sums = np.zeros(4)
+    for n in range(total.shape[1]):
+        for f in range(2):
+            sums[0] += total[f, n].real
+            sums[1] += known[f, n]
+            sums[2] += total[f, n].imag * turns[f]
+            sums[3] += known[f, n] * turns[f] * turns[f]
+    return sums
+
+
+@njit()
+def _weighted_sum(vectors, weight):  # pragma: no cover - compiled
+    """Sum (6,) of vectors (6, N), each times its weight (N,)."""
+    out = np.zeros(BENT)
+    for n in range(weight.size):
+        for i in range(BENT):
+            out[i] += weight[n] * vectors[i, n]
+    return out
 
 
 @njit()

@@ -109,8 +109,7 @@ def _seed_in_window(field, grid, window, gain, roughest):  # pragma: no cover - 
         if likelihood >= _START * information:
             rough = 0.0
         elif likelihood > 0:
-            found = _roughness(field, q, window, roughest)
-            rough = found if found > 0 else -1.0
+            rough = _roughness(field, q, window, roughest)
     return Seed(q, rough, min(rough + _ROUGHER, roughest), gain)
 
 
@@ -186,7 +185,7 @@ def _scatter(sums):  # pragma: no cover - compiled
 
 @njit()
 def _roughness(field, q, window, roughest):  # pragma: no cover - compiled
-    """Roughness of a window if both frequencies agree on it, else zero.
+    """Roughness of a window if both frequencies agree on it, else negative.
 
     A Gaussian of variance r costs one frequency exp(-r / 2), twice that frequency exp(-2 r).
     """
@@ -197,7 +196,7 @@ def _roughness(field, q, window, roughest):  # pragma: no cover - compiled
     off = sums[0, 1] / most - np.exp(-2 * rough)
     tolerance = _ALIKE[0] + _ALIKE[1] / np.sqrt(most)
     sure = sums[0].sum() > _SURE * np.sqrt(sums[1].sum()) and abs(off) < tolerance
-    return rough if sure and rough < roughest else 0.0
+    return rough if sure and 0 < rough < roughest else -1.0
 
 
 @njit()

@@ -75,8 +75,7 @@ def pixel_labels(
         expected += side**2 * mean * left[label]
     share = best / np.maximum(expected, 1e-9)
     share = np.where(label < 0, 0, share).astype(np.float32)
-    label = np.where(share > EXPLAINED, label, -1)
-    return label.astype(np.int32), share
+    return np.where(share > EXPLAINED, label, -1), share
 
 
 def interiors(label: Numbers, share: Array) -> Numbers:
@@ -90,7 +89,7 @@ def interiors(label: Numbers, share: Array) -> Numbers:
     left = np.bincount(number[inner], minlength=whole.size)
     thin = left < whole / 4
     thin[0] = False
-    return np.where(inner | thin[number], label, -1).astype(np.int32)
+    return np.where(inner | thin[number], label, -1)
 
 
 @njit()

@@ -93,23 +93,15 @@ def _winning_depth(ballot, ratio, far, limits):  # pragma: no cover - compiled
     """Depth (H, W), wraps, that wins the vote on each pixel, NaN where none does, and its share."""
     out = np.full(ballot.low.shape, np.nan)
     share = np.zeros(ballot.low.shape)
-    votes = np.empty(4 * _FARTHEST)
-    depths = np.empty(4 * _FARTHEST)
     for y, x in np.argwhere(ballot.asked):
         own = ballot.low[y, x]
-        count = 0
-        for n in range(int(np.ceil(limits[0] - own)), int(np.ceil(limits[1] - own))):
-            left = ballot.high[y, x] - ratio * (own + n)
-            if abs(left - np.rint(left)) <= far and count < votes.size:
-                depths[count] = own + n
-                votes[count] = _support(ballot, ratio, y, x, own + n)
-                count += 1
-        if count == 0:
-            continue
-        best = np.argmax(votes[:count])
-        if votes[best] > _ENOUGH * _CAP:
-            out[y, x] = depths[best]
-            share[y, x] = 1 / np.sum(np.exp(votes[:count] - votes[best]))
+        depths = own + np.arange(np.ceil(limits[0] - own), np.ceil(limits[1] - own))
+        left = ballot.high[y, x] - ratio * depths
+        depths = depths[np.abs(left - np.rint(left)) <= far][: 4 * _FARTHEST]
+        votes = np.array([_support(ballot, ratio, y, x, z) for z in depths])
+        if votes.size > 0 and votes.max() > _ENOUGH * _CAP:
+            out[y, x] = depths[votes.argmax()]
+            share[y, x] = 1 / np.sum(np.exp(votes - votes.max()))
     return out, share
 
 
