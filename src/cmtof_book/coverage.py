@@ -27,7 +27,8 @@ from cmtof.simulation import staged_depth
 from cmtof.statistics import conformal_quantile
 from cmtof.types import Array, Fields, Values
 from cmtof_book import RESULTS
-from cmtof_book.scanned import SHOWN, Counts, counts_of, kept_scan
+from cmtof_book.counts import Counts, counts_of
+from cmtof_book.scanned import SHOWN, kept_scan
 from cmtof_rooms.held_out import views
 
 EVERY = 16  # pixels, of which one counts in the calibration

@@ -20,14 +20,13 @@ import cmtof
 from cmtof import __version__
 from cmtof.constants import FREQUENCIES
 from cmtof.correlation import wrap_length
-from cmtof.evaluation import Tally, scored_pixels
 from cmtof.frame import Frame
 from cmtof.measurement import Measurement
 from cmtof.network.weights import read_card, weights_path
 from cmtof.simulation import QUADRATURES, RELEASED_WRAPS
 from cmtof.types import Array, Numbers
 from cmtof_book import RESULTS, Values
-from cmtof_book.provenance import read_json, write_json
+from cmtof_book.counts import Counts, counts_of
 from cmtof_book.rendered_stills import labelled, rendered_still
 from cmtof_lab.objects import FIELD_OF_VIEW, OBJECTS, TRAINING, still_life
 from cmtof_lab.optics import directions_from_angles
@@ -302,38 +301,6 @@ def trained_leg(
         save_weights(path, tuned.network, tuned.card)
         print(path.parent.name, np.mean(losses[-50:]), flush=True)
     return path
-
-
-class Counts:
-    """What was counted, in a file of JSON that is written after each count."""
-
-    def __init__(self, path: Path) -> None:
-        self.path = path
-        self.held = read_json(path)
-
-    def keep(self, *keys: str, of: Callable[[], Any]) -> Any:
-        """What is held below some keys; what is not yet held is computed and stored."""
-        place = self.held
-        for key in keys[:-1]:
-            place = place.setdefault(key, {})
-        if keys[-1] not in place:
-            place[keys[-1]] = of()
-            print(*keys, place[keys[-1]], flush=True)
-            self.store()
-        return place[keys[-1]]
-
-    def store(self, **about: Any) -> None:
-        """Write everything."""
-        self.held |= about
-        write_json(self.path, self.held)
-
-
-def counts_of(scans: Iterable[Measurement], **options: Any) -> list[Values]:
-    """Counts of each measurement, unwrapped with these options."""
-    tally = Tally()
-    return [
-        tally.add(scored_pixels(cmtof.unwrap(scan, **options), scan)) for scan in scans
-    ]
 
 
 def wraps_off(scans: Iterable[Measurement], row: Row) -> list:

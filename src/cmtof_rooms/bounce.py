@@ -10,18 +10,22 @@ from scipy.ndimage import distance_transform_edt
 from cmtof.types import Array, Flags, Numbers
 from cmtof_rooms.engine import sphere_of_directions
 
-RAYS = 64  # directions in which light is asked for from each place
+RAYS = 64
+"""Directions in which light is asked for from each place."""
 
-# Radiance (N, 3) along rays (N, 3) and (N, 3), and which of them meet the back of a surface.
 Look = Callable[[Array, Array], tuple[Array, Flags]]
+"""Radiance (N, 3) along rays (N, 3) and (N, 3), and which of them meet the back of a surface."""
 
 
 class Bounce(NamedTuple):
     """Irradiance at places of a grid, on faces towards +x, -x, +y, -y, +z, -z."""
 
-    low: Array  # lowest corner of the grid (3,), m
-    high: Array  # highest corner (3,), m
-    light: Array  # (X, Y, Z, 6, 3)
+    low: Array
+    """Lowest corner of the grid (3,), m."""
+    high: Array
+    """Highest corner (3,), m."""
+    light: Array
+    """(X, Y, Z, 6, 3)."""
 
     def irradiance(self, position: Array, normal: Array) -> Array:
         """Irradiance (N, 3) of surfaces, between the places of the grid.
@@ -71,10 +75,17 @@ def measure_bounce(space: Array, look: Look) -> Bounce:
     origins = np.repeat(places, RAYS, axis=0)
     radiance, behind = look(origins, np.tile(rays, (len(places), 1)))
     faces = np.maximum(np.stack([rays, -rays], axis=2), 0).reshape(RAYS, 6)
-    radiance = radiance.reshape(-1, RAYS, 3)
-    light = np.einsum("pdc,df->pfc", radiance, faces * (4 / RAYS))
-    inside = behind.reshape(*shape, RAYS).sum(axis=-1) > RAYS / 4
-    return Bounce(low, high, _fill_solids(light.reshape(*shape, 6, 3), inside))
+    light = np.einsum(
+        "pdc,df->pfc",
+        radiance.reshape(-1, RAYS, 3),
+        faces * (4 / RAYS),
+    )
+    inside = behind.reshape(-1, RAYS).sum(axis=1) > RAYS / 4
+    return Bounce(
+        low,
+        high,
+        _fill_solids(light.reshape(*shape, 6, 3), inside.reshape(shape)),
+    )
 
 
 def _grid_axes(low: Array, high: Array) -> list[Array]:

@@ -120,7 +120,13 @@ def cells_of(number: Numbers) -> Numbers:
     """Corners (N - 1, M - 1, 4), in turn, of the cells of a grid of numbered points (N, M)."""
     low = number[:-1]
     high = number[1:]
-    return np.stack([low[:, :-1], high[:, :-1], high[:, 1:], low[:, 1:]], -1)
+    corners = [
+        low[:, :-1],
+        high[:, :-1],
+        high[:, 1:],
+        low[:, 1:],
+    ]
+    return np.stack(corners, -1)
 
 
 def triangles_of(cells: Numbers) -> Numbers:
@@ -246,9 +252,13 @@ def _sheet_faces(count: int, columns: int) -> Numbers:
     """Triangles of a closed sheet whose two sides have ``count`` vertices each, row by row."""
     number = np.arange(count).reshape(-1, columns)
     front = triangles_of(cells_of(number).reshape(-1, 4))
-    rim = np.concatenate(
-        [number[:-1, 0], number[-1, :-1], number[:0:-1, -1], number[0, :0:-1]]
-    )
+    edges = [
+        number[:-1, 0],
+        number[-1, :-1],
+        number[:0:-1, -1],
+        number[0, :0:-1],
+    ]
+    rim = np.concatenate(edges)
     following = np.roll(rim, -1)
     return np.concatenate(
         [

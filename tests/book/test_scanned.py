@@ -6,6 +6,7 @@ from pytest import approx
 from cmtof.correlation import centred
 from cmtof.measurement import Measurement
 from cmtof_book import scanned
+from cmtof_book.counts import Counts
 
 
 def test_four_phases_hold_the_phase_of_the_scan(measured):
@@ -25,8 +26,8 @@ def test_a_close_pair_has_the_lower_frequency_of_both(measured):
 
 def test_a_count_is_computed_once_and_survives_the_process(tmp_path):
     path = tmp_path / "counts.json"
-    first = scanned.Counts(path).keep("counts", "kde", of=lambda: [3, 1])
-    assert scanned.Counts(path).keep("counts", "kde", of=lambda: 1 / 0) == first
+    first = Counts(path).keep("counts", "kde", of=lambda: [3, 1])
+    assert Counts(path).keep("counts", "kde", of=lambda: 1 / 0) == first
 
 
 def test_nothing_that_is_shown_is_learnt():

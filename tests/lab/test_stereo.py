@@ -88,7 +88,10 @@ def test_boards_calibrate_each_camera_of_the_rig(rng):
 
 def test_spots_locate_the_scanner(rng):
     back = RIG.poses[0].inv()
-    rig = replace(RIG, poses=tuple(pose * back for pose in RIG.poses))
+    rig = replace(
+        RIG,
+        poses=tuple(pose * back for pose in RIG.poses),
+    )
     beams = points_of(planar(1.5 + 0.01 * COLUMNS))
     pixels = RIG.project(beams) + 0.1 * rng.standard_normal((2, *SHAPE, 2))
     pixels[:, ::3] = np.nan
@@ -103,7 +106,13 @@ def windows(rng, brightness, sigma, count=1500):
     return photographed_spots(places, *look, rng, stereo.SENSOR), places
 
 
-@mark.parametrize(("brightness", "sigma"), [(1500, 0.9), (30_000, 1.5)])
+@mark.parametrize(
+    ("brightness", "sigma"),
+    [
+        (1500, 0.9),
+        (30_000, 1.5),
+    ],
+)
 def test_spots_are_placed_as_well_as_stated(brightness, sigma, rng):
     """3000 coordinates: their deviation is known to 1.3 %; the margin is 8 %."""
     quiet = stereo.Sensor(contrast=0.0)
@@ -121,8 +130,10 @@ def test_no_spot_and_saturated_spots_are_refused(rng):
     dark, _ = windows(rng, 0.0, 1.1)
     full, _ = windows(rng, 4e5, 1.1, count=20)
     sensor = stereo.Sensor()
-    assert np.isnan(stereo.place_spots(dark, sensor)[1]).mean() > 0.998
-    assert np.isnan(stereo.place_spots(full, sensor)[1]).all()
+    _, lost = stereo.place_spots(dark, sensor)
+    assert np.isnan(lost).mean() > 0.998
+    _, lost = stereo.place_spots(full, sensor)
+    assert np.isnan(lost).all()
 
 
 def test_a_post_hides_what_geometry_says():

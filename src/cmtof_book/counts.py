@@ -1,0 +1,43 @@
+"""Counts of measurements that are unwrapped, kept in a file so that none is counted twice."""
+
+from collections.abc import Callable, Iterable
+from pathlib import Path
+from typing import Any
+
+import cmtof
+from cmtof.evaluation import Tally, scored_pixels
+from cmtof.measurement import Measurement
+from cmtof_book import Values
+from cmtof_book.provenance import read_json, write_json
+
+
+class Counts:
+    """What was counted, in a file of JSON that is written after each count."""
+
+    def __init__(self, path: Path) -> None:
+        self.path = path
+        self.held = read_json(path)
+
+    def keep(self, *keys: str, of: Callable[[], Any]) -> Any:
+        """What is held below some keys; what is not yet held is computed and stored."""
+        place = self.held
+        for key in keys[:-1]:
+            place = place.setdefault(key, {})
+        if keys[-1] not in place:
+            place[keys[-1]] = of()
+            print(*keys, place[keys[-1]], flush=True)
+            self.store()
+        return place[keys[-1]]
+
+    def store(self, **about: Any) -> None:
+        """Write everything."""
+        self.held |= about
+        write_json(self.path, self.held)
+
+
+def counts_of(scans: Iterable[Measurement], **options: Any) -> list[Values]:
+    """Counts of each measurement, unwrapped with these options."""
+    tally = Tally()
+    return [
+        tally.add(scored_pixels(cmtof.unwrap(scan, **options), scan)) for scan in scans
+    ]
