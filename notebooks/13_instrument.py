@@ -41,15 +41,14 @@ twin = TwinSettings()
 # %% tags=["hide-input"]
 OUT = {"color": "#00A86B", "lw": 2.4, "zorder": 2}
 BACK = {"color": "#8FD9BC", "lw": 2.4, "zorder": 2}
-PATHS = (  # look, opacity, corners
-    (OUT, 1.0, [(1.0, 9), (9.6, 9)]),
-    (OUT, 0.7, [(5.4, 9), (5.4, 6.78), (12.6, 6.78), (12.6, 8.08), (15.9, 8.08)]),
-    (OUT, 0.5, [(7.2, 6.78), (7.2, 5.5)]),
-    (OUT, 0.3, [(9.4, 6.78), (9.4, 7.9)]),
-    (OUT, 0.3, [(11.3, 6.78), (11.3, 8.7)]),
+PATHS = (  # look, corners
+    (OUT, [(1.0, 9), (9.6, 9)]),
+    (OUT, [(5.4, 9), (5.4, 6.78), (12.6, 6.78), (12.6, 8.08), (15.9, 8.08)]),
+    (OUT, [(7.2, 6.78), (7.2, 5.5)]),
+    (OUT, [(9.4, 6.78), (9.4, 7.9)]),
+    (OUT, [(11.3, 6.78), (11.3, 8.7)]),
     (
         BACK,
-        1.0,
         [
             (15.9, 7.92),
             (12.8, 7.92),
@@ -59,10 +58,10 @@ PATHS = (  # look, opacity, corners
             (14.8, 4.4),
         ],
     ),
-    (BACK, 1.0, [(10.6, 4.4), (10.6, 2.72)]),
+    (BACK, [(10.6, 4.4), (10.6, 2.72)]),
 )
 GLASS = {"mfc": "#DCEBF7", "mec": "#6B8CA8", "ms": 22}
-SPLITTERS = [(5.4, 9, "PBS"), (10.6, 4.4, "PBS"), (7.2, 6.7, "NBS"), (9.4, 6.7, "NBS")]
+SPLITTERS = [(5.4, 9, "PBS"), (10.6, 4.4, "PBS"), (7.2, 6.7, "NBS"), (9.4, 6.7, "")]
 PLATES = [(6.2, 9, "HWP"), (7.05, 9, "QWP"), (11.5, 4.4, "HWP"), (12.35, 4.4, "QWP")]
 LENSES = [(4.0, 9, ""), (4.5, 9, "2.5×"), (9.4, 5.5, ""), (10.6, 3.45, "")]
 MIRRORS = [
@@ -94,8 +93,8 @@ figure, ax = plt.subplots(figsize=(8.4, 4.4))
 ax.set(xlim=(0, 17.2), ylim=(2.2, 10.2), aspect="equal")
 ax.axis("off")
 small = {"fontsize": "small", "ha": "center", "va": "center", "zorder": 6}
-for look, alpha, corners in PATHS:
-    ax.plot(*zip(*corners, strict=True), alpha=alpha, **look)
+for look, corners in PATHS:
+    ax.plot(*zip(*corners, strict=True), **look)
 for look, places in PARTS:
     ax.plot(
         *zip(*(place[:2] for place in places), strict=True), ls="", zorder=3, **look
@@ -110,7 +109,13 @@ for x, y, name in BOXES:
         bbox={"boxstyle": "round", "fc": "#F3F5F7", "ec": "#7C8A96"},
         **small,
     )
-for x, y, name in ((8.2, 8.2, "reference arm"), (8.6, 5.5, "1.6×")):
+BESIDE = (
+    (8.2, 8.2, "reference arm"),
+    (8.6, 5.5, "1.6×"),
+    (8.75, 7.25, "NBS"),
+    (11.3, 6.05, "flip mirror"),
+)
+for x, y, name in BESIDE:
     ax.text(x, y, name, **small)
 plotting.save(
     figure,
