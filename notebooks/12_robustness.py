@@ -284,7 +284,7 @@ plotting.save(
 # the beat, with the (symmetric) errors of its own table, 27 % would remain for 0.01 rad on f₂ and
 # 8 % on f₁. Its right answers rest on shapes and likely depths, or it was
 # trained with offsets. Our `surfaces`, which finds the offset itself, keeps its wraps at some
-# offsets and loses a third of them at others.
+# offsets and loses many at others.
 #
 # ## More noise, or less light
 #

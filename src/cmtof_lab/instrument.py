@@ -245,10 +245,9 @@ class SimulatedInstrument:
         spread = STEP_NOISE * self.settings.phase_noise[mode] / (1 + mode)
         if not spread:
             return slow
-        own, before = (
-            normals_by_key(self.seed, JITTER, keys, times.shape[1])
-            for keys in (labels, labels - 1)
-        )
+        # a neighbour's noise is drawn once
+        keys, place = np.unique([labels, labels - 1], return_inverse=True)
+        own, before = normals_by_key(self.seed, JITTER, keys, times.shape[1])[place]
         return slow + spread * correlated(own, before, self.settings.grain)
 
     def _shares(self, frequency: float, paths: Array, orders: Numbers) -> Complex:

@@ -224,8 +224,7 @@ def _lathe(sections: Array, stated: Fields) -> Trimesh:
     corners = cells_of(ring)[..., [0, 3, 2, 1]].reshape(-1, 4)
     if "holes" in stated:
         holes = finishes.by_name("openings", stated["holes"])
-        opened = finishes.openings(holes, *points[corners].mean(1).T)
-        corners = corners[~opened]
+        corners = corners[~finishes.openings(holes, *points[corners].mean(1).T)]
     return mesh_from(points, triangles_of(corners))
 
 

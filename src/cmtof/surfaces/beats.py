@@ -48,12 +48,12 @@ def _beats(field: Field, cells: Cells) -> Beats:
     """One pass of `pooled_beats`."""
     turned = cell_phasors(field, cells)
     lag, known = lags_of_phasors(field, turned, cells.information)
-    weight = np.ones(lag.shape)
-    for _ in range(1 + _PASSES):
-        found = _weighted_beats(field, cells, turned, weight)
-        off = lag - np.append(found[0], 0)[cells.main]
+    weight = np.ones(1)
+    for _ in range(_PASSES):
+        mean = _weighted_beats(field, cells, turned, weight)[0]
+        off = lag - np.append(mean, 0)[cells.main]
         weight = _CREDIBLE**2 / np.maximum(known * off**2, _CREDIBLE**2)
-    return found
+    return _weighted_beats(field, cells, turned, weight)
 
 
 def _weighted_beats(field: Field, cells: Cells, turned: Array, weight: Array) -> Beats:

@@ -99,7 +99,7 @@ def _winning_depth(ballot, ratio, far, limits):  # pragma: no cover - compiled
         left = ballot.high[y, x] - ratio * depths
         depths = depths[np.abs(left - np.rint(left)) <= far][: 4 * _FARTHEST]
         votes = np.array([_support(ballot, ratio, y, x, z) for z in depths])
-        if votes.size > 0 and votes.max() > _ENOUGH * _CAP:
+        if votes.size and votes.max() > _ENOUGH * _CAP:
             out[y, x] = depths[votes.argmax()]
             share[y, x] = 1 / np.sum(np.exp(votes - votes.max()))
     return out, share
