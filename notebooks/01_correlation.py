@@ -182,9 +182,10 @@ plotting.save(
 #   P_kR_k^*\,e^{-ik(\varphi+\psi+2\pi\delta t)}\,\mathrm{sinc}(k\,\delta T).
 # \tag{1.1}$$
 #
-# In the **homodyne** case δ = 0 and the correlation is constant. In the **heterodyne** case the
-# reference frequency is higher by δ: the correlation oscillates at δ, and an exposure that is not
-# short against 1/δ reduces its contrast.
+# with $R_k$ those of the reference and sinc $x = \sin(\pi x)/\pi x$. In the **homodyne** case δ = 0
+# and the correlation is constant. In the **heterodyne** case the reference frequency is higher by
+# δ: the correlation oscillates at δ, and an exposure that is not short against 1/δ reduces its
+# contrast.
 #
 # ## The gate of Eq. 8
 #

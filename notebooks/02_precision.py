@@ -151,16 +151,18 @@ rows = [
 notes.table(["change over 1 mm", "100 MHz", "8 GHz", "gain"], rows)
 
 # %% [markdown]
-# The paper's two numbers are correct, but they hold at the point where their ratio is greatest
-# ([erratum 13](22_errata.ipynb#erratum-13)). Of four samples at quarter turns some always lie on a
-# slope, so the phase error does not depend on the phase.
+# The paper's two numbers are correct, but they hold at the maximum, where a cosine changes least
+# and the gain is the square of the ratio of the frequencies ([erratum
+# 13](22_errata.ipynb#erratum-13)). Of four samples at quarter turns some always lie on a slope, so
+# the phase error does not depend on the phase.
 #
 # ## Large phase noise
 #
-# A phase is the angle of a phasor. Gaussian noise of σ causes a phase noise
-# $\sigma_\varphi=\sigma/a$ as long as σ ≪ a. For darker pixels the tails of the distribution grow;
-# in the limit the angle is uniform, with standard deviation $\pi/\sqrt3$. With $\rho = a/\sigma$
-# the density of the error is ([Goodman 2015](../book/references.bib#goodman2015))
+# A phase is the angle of a phasor. Gaussian noise of σ in each of its components causes a phase
+# noise $\sigma_\varphi=\sigma/a$ as long as σ ≪ a. For darker pixels the tails of the distribution
+# grow; in the limit the angle is uniform, with standard deviation $\pi/\sqrt3$. With $\rho =
+# a/\sigma$ and the distribution function Φ of the standard normal law, the density of the error is
+# ([Goodman 2015](../book/references.bib#goodman2015))
 #
 # $$
 # p(\theta) = \frac{e^{-\rho^2/2}}{2\pi}

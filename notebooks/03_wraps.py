@@ -229,7 +229,8 @@ plotting.save(
     "frequency's phasors first follows the formula; pooling beats is worse on dark targets.",
     alt="Left, odds over brightness on logarithmic scales, from chance for dark pixels to two "
     "percent for white ones, points on the exact law. Right, odds over the side of the pooled "
-    "square: S-shaped curves that reach 95 percent; dots lie on them, crosses below.",
+    "square: S-shaped curves that reach 95 percent; dots lie on them, crosses of the "
+    "darker target below.",
 )
 
 # %% tags=["hide-input"]

@@ -240,7 +240,8 @@ plotting.save(
     alt="A laser beam is reflected by a polarising beam splitter through a half-wave plate, a "
     "quarter-wave plate and an electro-optic modulator to a mirror and back. Ellipses show the "
     "polarisation at each place. Below, the intensity over two drive periods: a sine about one "
-    "half, and a small wave of twice the frequency about zero.",
+    "half, and a small wave of twice the frequency that rises from zero; "
+    "dotted, both are larger.",
 )
 
 # %% [markdown]
@@ -543,8 +544,8 @@ notes.answer(
     """
     **Answer.** Two passes through the crystal, two wave plates and a polarising splitter turn phase
     into intensity; one plate turned by 11.25° doubles the frequency. At η = {eta:.2f} the doubled
-    amplitude is {ratio:.3f} of the single one. All printed equations are right except Eq. 19, which
-    is too small by a factor of two.
+    amplitude is {ratio:.3f} of the single one. Eqs. 14 to 18 are right as
+    printed; Eq. 19 is too small by a factor of two ([errata](22_errata.ipynb)).
     """,
     eta=eta,
     ratio=ratio,

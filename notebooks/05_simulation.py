@@ -304,7 +304,7 @@ plotting.save(
 #
 # without stating where they stop; the authors' released code stops at $E_C=5$
 # ([erratum 4](22_errata.ipynb#erratum-4)). A phase error ε is an error $2^k\epsilon$ of the k-th
-# octave, which reduces its cosine by $\langle\cos 2^k\epsilon\rangle$.
+# octave, which reduces its cosine by the factor $\langle\cos 2^k\epsilon\rangle$.
 
 # %% tags=["hide-input"]
 measured = cmtof.simulate(frame, protocol="released", seed=seed)

@@ -157,8 +157,9 @@ print(f"on the surfaces of one view {rms:.3f} rad rms at 7.15 GHz")
 # %% tags=["hide-input"]
 notes.answer(
     """
-    **Answer.** Furnished rooms drawn at random, ray-traced in double precision. Their median pixel
-    lies in a surface of {size:,.0f} pixels whose range changes by {slope:.3f} wraps a pixel. The
+    **Answer.** Furnished rooms drawn at random, ray-traced; ranges are computed in double
+    precision and stored in single. Their median pixel lies in a surface of {size:,.0f} pixels whose
+    range changes by {slope:.3f} wraps a pixel. The
     depth that Hypersim stores would add {rms:.2f} rad of phase error.
     """,
     size=medians["rooms"][2],

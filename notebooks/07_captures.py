@@ -362,8 +362,10 @@ plotting.save(
 # \;+\;H\,\sigma_\mathrm{l}^2\,\delta_{k_y}.
 # \tag{7.2}$$
 #
-# The four numbers are maximum-likelihood estimates from the residual's spectrum. A ρ of ½ is a
-# running mean of two samples, or a scan sampled twice as finely as it is resolved.
+# Here σ_w is the noise of a pixel, ρ_d and ρ_a its correlation with the neighbour down and across,
+# and σ_l the error that the H pixels of a line share, at k_y = 0 alone. The four numbers are
+# maximum-likelihood estimates from the residual's spectrum. A ρ of ½ is a running mean of two
+# samples, or a scan sampled twice as finely as it is resolved.
 
 # %% tags=["hide-input"]
 lines = {}
@@ -423,8 +425,9 @@ plotting.save(
         "line_noise": {n: line._asdict() for n, line in lines.items()},
     },
     caption=f"Spectra of the noise on the wall ({source}, dots), those of simulated line noise "
-    "(lines), and the range (5 to 95 %) of simulated white noise (grey). White noise is level; "
-    "noise that neighbours share falls with the frequency.",
+    "(lines), and the range (5 to 95 %) of simulated white noise (grey). White noise is level, "
+    "but for the low frequencies that the fit takes away; noise that neighbours share falls with "
+    "the frequency.",
     alt="Dots of each scan, lines and a band: curlyhair1 falls with the frequency, the others are "
     "level.",
 )

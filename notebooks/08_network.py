@@ -224,9 +224,9 @@ for hardness in (1.0, 2.0, 4.0, 16.0):
 # %% [markdown]
 # ## Initialisation
 #
-# A wrap moves the beat $b=\varphi_2-2\varphi_1$ by 17.6 mrad, and its noise at one pixel is near a
-# radian. A convolution and a ReLU must form a *product* of two noisy phasors before averaging. They
-# can:
+# A wrap moves the beat $b=\varphi_2-2\varphi_1$ by 17.6 mrad, and its noise at one pixel is 0.3 rad
+# at full brightness, a radian at 0.3 of it. A convolution and a ReLU must form a *product* of two
+# noisy phasors before averaging. They can:
 #
 # $$|\cos(\varphi_2+\alpha)-\cos(2\varphi_1+\alpha+\beta)|
 #   =2\,|\sin\tfrac{b-\beta}{2}|\;|\sin(\ldots)|.$$
@@ -278,7 +278,7 @@ print(f"gain, paired by view: {gain[0]:.1f} points ({gain[1]:.1f} to {gain[2]:.1
 # constant answer is called untrained. "Public code" has the layers and inputs of the authors'
 # public code (`fast-scnn-public`), with our data, loss and schedule.
 #
-# The paper does not state what its baselines read; here all read raw correlations.
+# Of its baselines the paper states only what Deep-ToF reads, raw correlations; here all do.
 
 # %% tags=["hide-input"]
 PAPERS = ("proposed", "ce_only", "fourier", "phase_only")

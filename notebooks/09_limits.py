@@ -121,8 +121,8 @@ plotting.save(
 #
 # All but the first subtract the known shape from both phases and add the phasors that belong
 # together. The lower frequency's sum gives the fraction of a wrap, the beat of both sums the whole
-# wraps. The window of `reference-field` is the receptive field of the paper's network as it is
-# built here ([chapter 8](08_network.ipynb)).
+# wraps. The window of `reference-field` is about half as wide as what the network of
+# [chapter 8](08_network.ipynb) sees.
 
 # %% tags=["hide-input"]
 rows = []

@@ -101,13 +101,13 @@ show_swipe(scenes[0], "fast-scnn", "surfaces")
 
 # %% [markdown]
 # The next figure has the other methods and three references. `reference-depth` combines the
-# measured phase with the best possible wraps: its black pixels are all that the phase allows.
-# `reference-offset` knows the true surfaces and finds one offset for each, `reference-contact` one
-# for all that is connected ([chapter 9](09_limits.ipynb)). `hybrid` joins our version of the
-# paper's network and this book's method: `surfaces` says which pixels share an offset, and the
-# network's odds, averaged over these pixels, choose it together with the beat. An average removes
-# errors that differ from pixel to pixel. `surfaces-mirrored` is the vote of `surfaces` over four
-# mirror images of the measurement.
+# measured phase with the best possible wraps: its black pixels are all that one pixel's own phase
+# allows, and methods that pool phases can be right in more. `reference-offset` knows the true
+# surfaces and finds one offset for each, `reference-contact` one for all that is connected
+# ([chapter 9](09_limits.ipynb)). `hybrid` joins our version of the paper's network and this book's
+# method: `surfaces` says which pixels share an offset, and the network's odds, averaged over these
+# pixels, choose it together with the beat. An average removes errors that differ from pixel to
+# pixel. `surfaces-mirrored` is the vote of `surfaces` over four mirror images of the measurement.
 
 # %% tags=["hide-input"]
 OTHERS = [

@@ -162,7 +162,7 @@ views.show_scene("scene_room", title="the room")
 # 6. **The rest** takes the nearest surface within 4 px, or else the beat of its surroundings.
 # 7. **Votes.** An unexplained pixel follows its neighbours if its own beat is certain to 4 wraps,
 #    as for many pixels of a scan ([chapter 21](21_scanned_scenes.ipynb)). Each neighbour votes for
-#    the continuation of its own surface, for near an outline bodies fall away steeply.
+#    the continuation of its own surface, because bodies fall away steeply near an outline.
 #
 # ## Additive likelihood
 #
@@ -184,8 +184,8 @@ views.show_scene("scene_room", title="the room")
 # 21](21_scanned_scenes.ipynb)).
 #
 # The method looks for the surfaces of largest $S$. A plane seen by a camera is exactly linear in
-# the inverse of its range: with $u = x/z$ and $v = y/z$ of each ray and its cosine $\kappa$ to the
-# optical axis,
+# the inverse of its range $z$: with the direction $(u, v, 1)$ of each ray and its cosine $\kappa$
+# to the optical axis,
 #
 # $$\frac{1}{z} = \kappa\,(q_0 u + q_1 v + q_2 + q_3 u^2 + q_4 u v + q_5 v^2),$$
 #
@@ -329,7 +329,8 @@ notes.table([f"%, {len(places)} test frames", *head], rows)
 #
 # Where the odds of two answers are nearly even, chance decides about a whole surface, and a mirror
 # image of the same measurement may get the other answer. `surfaces-mirrored` votes over four mirror
-# images: in four times the time it gives each of them the same wraps, and more of them are right.
+# images: in four times the time it gives each of them the same wraps, and on the test frames
+# more of them are right.
 #
 # Over all test frames, with 95 % intervals over scenes. The goal was set before the method existed:
 # about the rate of `reference-offset` on path-traced interiors. On the test frames `surfaces`

@@ -1,8 +1,8 @@
 # %% [markdown]
 # # The instrument
 #
-# Section 7 of the paper lists the parts of a prototype; drawings and code were not published. What
-# does a complete plan look like (Paper Fig. 6), and how much light arrives?
+# Section 7 of the paper lists the parts of a prototype; drawings and control software were not
+# published. What does a complete plan look like (Paper Fig. 6), and how much light arrives?
 #
 # The plan is of the instrument in this package's rig file, which the drivers can run. Everything
 # here is *simulated*.
@@ -248,8 +248,9 @@ plotting.save(
 # %% [markdown]
 # ## Noise sources
 #
-# *Shot noise*, multiplied by the avalanche with its excess factor $F = M^x$, grows with the square
-# root of the output $U$; the noise of *amplifier* and *converter* is constant:
+# *Shot noise*, multiplied by the avalanche with the gain $M$ and the excess factor $F = M^x$, grows
+# with the square root of the output $U$ behind the transimpedance $R_T$; the noise of *amplifier*
+# and *converter* is constant:
 #
 # $$\sigma^2 = \bigl(2 e F M R_T\,U + s_\mathrm{amp}^2\bigr)\,B + \sigma_\mathrm{conv}^2.$$
 #

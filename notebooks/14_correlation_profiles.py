@@ -289,7 +289,7 @@ plotting.save(
         "mode, simulated (the paper's is a measurement). (a, b) Mean of many sweeps at the photon "
         "limit, its fitted cosine, and one sweep with the phase noise of the published captures. "
         "(c, d) Residual at the photon limit, and the prediction from harmonics and drivers. (e, "
-        "f) Harmonics at the photon limit, and their closed form."
+        "f) Harmonics at the photon limit, and the modulators' closed form, without the drivers."
     ),
     alt="Six panels in two columns, single and doubled mode: one period of a cosine, its residual "
     "of a third or second harmonic, and the spectrum with the closed form as bars.",

@@ -190,7 +190,8 @@ plotting.save(
 # ## Table 4
 #
 # The table has RMSE and MAE over the positions of one sweep, in µm: those of the median day, and in
-# brackets the range of 95 % of the days, since the paper has a single day.
+# brackets the range of 95 % of the days, since the paper has a single day. With the «sizes assumed»
+# every systematic error has its default size; a «plausible» day draws each from its own span.
 
 # %% tags=["hide-input"]
 rows = []
@@ -333,9 +334,9 @@ plotting.save(
 #   captures' noise, which spread too widely to decide. With the captures' noise one reading
 #   scatters far more: either the paper averaged, which it does not state, or its sweep was quieter
 #   than those scans.
-# - **RF, plate**: 11.8 mm of offset is more than half a wrap, 10.5 mm. A random phase gives an RMSE
-#   of that size, but then a smaller MAE. Equal errors come from a phase that does not follow the
-#   target, in a wrong wrap.
+# - **RF, plate**: 11.8 mm of offset is more than half a wrap, 10.5 mm. A random phase that is read
+#   as 0 to 21 mm gives an RMSE of that size, but then a smaller MAE. Equal errors come from a phase
+#   that does not follow the target, in a wrong wrap.
 # - **Interferometer**: a constant error of tens of fringes, which counting does not cause.
 #
 # Erratum 15 in [chapter 22](22_errata.ipynb) has the arithmetic,
@@ -352,7 +353,8 @@ plotting.save(
 #
 # Electrical power is proportional to the *square* of the optical power: a thousandth of the light
 # gives a millionth of the SNR. The avalanche detector of the all-optical chain multiplies its
-# current before an amplifier adds noise, so its SNR is proportional to the light.
+# current before an amplifier adds noise. So its SNR is proportional to the light where shot noise
+# exceeds the amplifier's, nearly so at the plate; at fainter light it falls with the square, too.
 
 # %%
 light = np.logspace(-12, -2, 201)
@@ -393,8 +395,9 @@ plotting.save(
     "against the light collected. Dotted: plate and mirror. Below an SNR of 1 the phase "
     "is nearly random. The small photodiode of RF sees less than half of the plate's light, so its "
     "SNR there is lower than its line.",
-    alt="A log-log plot. The RF line climbs two decades a decade, the all-optical line one until "
-    "the grey filter holds it; they cross near a microwatt. At the plate's two nanowatts the "
+    alt="A log-log plot. The RF line climbs two decades a decade, the all-optical line two "
+    "at faint light and nearly one at the plate, until the grey filter holds it; they cross near a "
+    "microwatt. At the plate's two nanowatts the "
     "all-optical SNR is half a million and that of RF below one.",
 )
 
@@ -408,17 +411,18 @@ plotting.save(
 #
 # Light of the scene arm and of the reference arm interferes,
 #
-# $$P(\psi) = P_r + P_s + 2\,|\gamma|\sqrt{m\,P_rP_s}\,\cos(\phi+\psi),\qquad
+# $$P(\psi) = P_r + P_s + 2\,|\gamma|\sqrt{\mu\,P_rP_s}\,\cos(\phi+\psi),\qquad
 # \phi = \frac{4\pi z}{\lambda},$$
 #
-# with the coherence $|\gamma|$ of a laser 30 GHz wide and the share $m$ of the light in the
+# with the coherence $|\gamma|$ of a laser 30 GHz wide and the share $\mu$ of the light in the
 # reference beam's mode, one part in 110 of a plate's speckle. A phase is known modulo a fringe of
 # 266 nm. Sequential unwrapping takes the step nearest to zero, which is right up to a quarter of
 # the wavelength. The stage therefore moves 50 nm between readings. With a step $s$ and vibration of
-# the standard deviation $\sigma$ between readings, a reading loses on average
+# the standard deviation $\sigma$ between readings, a reading loses on average,
+# with $Q$ the upper tail of the standard normal distribution,
 #
 # $$
-# \langle m\rangle = \sum_{k\ge1}
+# \langle j\rangle = \sum_{k\ge1}
 #   Q\!\left(\frac{(2k-1)\lambda/4-s}{\sigma}\right)
 #   - Q\!\left(\frac{(2k-1)\lambda/4+s}{\sigma}\right) \text{ fringes.}
 # \tag{17.2}$$
@@ -470,8 +474,9 @@ with open_bench(rig, wiring, settings=settings, seed=seed) as bench:
 # ## Reach
 #
 # Precision depends on range and light. With $L$ the light on the detector behind open modulators,
-# $\bar w$ and $w_1$ mean and fundamental of their product, $u$ the room's light and $S$ volts per
-# watt, noise leaves
+# $\bar w$ and $w_1$ mean and fundamental of their product, $u$ the room's light, $S$ volts per
+# watt, $d$ the detector's noise density at an output, $B$ the bandwidth of a reading of $K$ phases
+# with $N$ samples each, and $\sigma_\mathrm{adc}$ the converter's noise of a sample, noise leaves
 #
 # $$\sigma_z = \frac{c}{4\pi f}\,\frac{1}{S L w_1}
 # \sqrt{B\,d\big(S(L\bar w + u)\big) + \frac{2}{K}\frac{\sigma_\mathrm{adc}^2}{N}},

@@ -92,7 +92,7 @@ plotting.save(
     ),
     alt=(
         "Dots on a logarithmic scale in both modes. The drift of the RF phase and photon noise are "
-        "the largest terms, four to five micrometres; amplifier, back-reflection, I/Q imbalance "
+        "the largest terms, three to five micrometres; amplifier, back-reflection, I/Q imbalance "
         "and laser drift follow near one. The sum of squares meets the simulation of the whole."
     ),
 )
@@ -308,8 +308,9 @@ plotting.save(
 # ## An array behind the crystal
 #
 # Section 9 proposes flood light, a telescope and an image sensor behind the modulator. Lenses
-# conserve étendue: light from a wide field onto a small crystal passes a small pupil. With the side
-# $a$ of the active area and the sine $s$ of the angle at which a pass's static retardance is off by
+# conserve étendue: light from a wide field onto a small crystal passes a small pupil. With the
+# refractive indices $n_o$ and $n_e$ and the length $L$ of the crystal, the side $a$ of its active
+# area and the sine $s$ of the angle at which a pass's static retardance is off by
 # $\Gamma_\mathrm{tol}$,
 #
 # $$s^2 = \frac{n_on_e\lambda\,\Gamma_\mathrm{tol}}{\pi L\,|n_e-n_o|},\qquad

@@ -1,8 +1,8 @@
 # %% [markdown]
 # # Comparison with a 100 MHz camera
 #
-# In Paper Fig. 15 a commercial camera at 100 MHz has errors of 200 mm on an owl's dark feathers.
-# Are they noise or bias, and what does a GHz scan have there?
+# In Paper Fig. 15 a commercial MHz camera, 100 MHz by its public data, has errors of 200 mm on
+# bright and dark spots of an owl. Are they noise or bias, and what does a GHz scan have there?
 #
 # A camera sees the whole scene at once; a scan needs minutes. The comparison shows what these
 # minutes gain.
@@ -169,7 +169,8 @@ plotting.save(
     caption="Range of a textured owl and a polished helmet, simulated: one image of the 100 MHz "
     "camera at the stated power, whose grain on dark feathers is noise; GHz scans at the photon "
     "limit and with the noise of the published captures; and the truth. The first scan is by this "
-    "book's `surfaces`, the second by the paper's network, fine-tuned on scans of other objects. "
+    "book's `surfaces`, the second by our version of the paper's network, fine-tuned on scans "
+    "of other objects. "
     "Grey: no range.",
     alt="Two rows of four images, owl above, helmet below. The 100 MHz range is grainy, by "
     f"{1e3 * rms(error['owl'][pale]):.0f} mm on pale and {1e3 * rms(error['owl'][dark]):.0f} mm on "
@@ -183,7 +184,7 @@ plotting.save(
 # The GHz phase is precise to a few tens of micrometres, and to 0.3 mm with the captures' noise; its
 # errors are wrong wraps, most of all on the helmet, which returns little diffuse light. At 100 MHz
 # a wrap is 1.5 m, not the 3 m of the paper's introduction ([chapter 22](22_errata.ipynb)), so no
-# wrong wrap can fill the helmet's holes, but stray light and filters can.
+# wrong wrap could fill the helmet's holes, but stray light and filters could.
 #
 # Normals of neighbouring points show the effect of a millimetre. The camera's software is assumed
 # to average 5 × 5 pixels; the GHz scan is not smoothed.
@@ -348,8 +349,8 @@ notes.answer(
     **Answer.** In our camera noise, in the paper's perhaps too: a simulated camera has {error:.0f}
     mm rms on the dark feathers of an owl of our own, and {bias:.1f} mm without noise. The simulated
     GHz scan has {photon:.0f} % of the owl's wraps right at the photon limit by this book's
-    `surfaces`, and {captures:.0f} % with the captures' phase noise by the paper's network ([chapter
-    21](21_scanned_scenes.ipynb)).
+    `surfaces`, and {captures:.0f} % with the captures' phase noise by our version of the paper's
+    network ([chapter 21](21_scanned_scenes.ipynb)).
     """,
     error=1e3 * rms(error["owl"][dark]),
     bias=1e3 * rms(bias["owl"][dark]),

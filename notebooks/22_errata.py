@@ -8,7 +8,8 @@
 # symbol may be the transcription's; such entries are marked †. None affects the paper's main
 # result: light can be correlated at 7 and 14 GHz in free space.
 #
-# **Slips** are verified by algebra or arithmetic, and only they are called *proved*.
+# **Slips** are verified by algebra or arithmetic, and only they are called *proved*; those marked †
+# are if the transcription is right.
 # **Inconsistencies** are contradictions of two places in the paper. **Remarks** add what the paper
 # leaves out; its numbers there are right. **Inferences** are our reading and could be wrong. This
 # run prints the numbers under each entry; entry 29 was withdrawn.
@@ -115,7 +116,8 @@ holds[3] = np.isclose(literal, TAU)
 # of class n must be meant.
 #
 # ### 9 · The doubled mode
-# [Eq. 19](04_modulator.ipynb#eq-19) is half of its own first line, and the amplitude is not a fixed
+# [Eq. 19](04_modulator.ipynb#eq-19) is from its second line on half of what its first line gives,
+# and the amplitude is not a fixed
 # quarter of the single mode's: the ratio is $J_2(2\eta)/J_1(2\eta)\approx\eta/2$, and squared in
 # the correlation.
 
@@ -211,7 +213,7 @@ holds[8] = depths[1] < depths[0] and light > 3
 # ### 17 · Tables and text
 # The fall from 51.6 to 42.7 % is called «minor», but is 17 % of the right pixels. All learned
 # baselines are said to have more outliers than KDE, but Deep-ToF has fewer. Rapid is called «next
-# best», but Deep-ToF is better in three of the four columns that differ. Wrong references:
+# best», but Deep-ToF is better in three of the four independent columns. Wrong references:
 # prototype «Fig. 2» (6), precision «Tab. 2» (4), noise «Section 3» (5.3), «KDE [Zhang]» (Lawin) in
 # Fig. 10, «digital-to-analog» in Fig. 3.
 #
@@ -453,7 +455,7 @@ holds[20] = scales.min() > 1
 # that it was trained with offsets, which is possible ([chapter 12](12_robustness.ipynb)).
 #
 # ### 25 · 11.8 mm of RF error
-# The paper attributes them to photon noise. A uniform phase read as 0 to 21 mm over a sweep of 1 mm
+# The paper attributes it to photon noise. A uniform phase read as 0 to 21 mm over a sweep of 1 mm
 # would give RMSE 11.7 and MAE 10.0 mm; equal RMSE and MAE suggest a constant phase, as from leakage
 # between RF parts.
 
@@ -532,7 +534,8 @@ for group, numbers in groups.items():
 # %% tags=["hide-input"]
 notes.answer(
     """
-    **Answer.** {proved} slips are proved, such as Eq. 19, half of its own first line; {apart}
+    **Answer.** {proved} slips are proved, such as Eq. 19, which gives half of its own first line;
+    {apart}
     places contradict others. An integrator of 100 ms, as stated, would damp a sweep of 13 ms
     {damping:.0f} times. Table 4 is offset rather than noise: of {sets:,} sets of random Gaussian
     errors, {equal} have magnitudes as equal.

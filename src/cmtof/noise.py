@@ -232,7 +232,7 @@ def fit_line_noise(
 
 
 def linear_from_spread(spread: float) -> float:
-    """Linear phase noise, rad, of a standard deviation, rad: the inverse of `phase_spread`."""
+    """Noise over amplitude, rad, of phases with a standard deviation: inverse of `phase_spread`."""
     if not 1e-6 < spread < phase_spread(_LARGEST):
         raise ValueError(
             f"Expected a phase noise between 0 and {np.pi / np.sqrt(3):.2f} rad, "

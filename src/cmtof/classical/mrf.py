@@ -55,7 +55,7 @@ class RandomField(NamedTuple):
 
     @property
     def waves(self) -> Single:
-        """Cosine and sine (2, N) of the angles."""
+        """Cosine and sine (2, N) of the angle of the beat for each label."""
         return np.array([np.cos(self.angles), np.sin(self.angles)], np.float32)
 
     def depth(self, labels: Numbers, measurement: Measurement) -> Array:

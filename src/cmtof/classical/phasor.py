@@ -75,7 +75,7 @@ def _candidates(phase: Array, measurement: Measurement) -> list[Array | int]:
 
 
 def match(phase: Array, amplitude: Array, depth: Array, frequencies: Pair) -> Array:
-    """F (H, W), counts, at depths (H, W), m, for phases, rad, and amplitudes, counts, (2, H, W)."""
+    """Match F (H, W), counts, of depths (H, W), m, to phases, rad, and amplitudes (2, H, W)."""
     off = phase_from_depth(depth, np.reshape(frequencies, (2, 1, 1))) - phase
     return np.sum(amplitude * np.cos(off), axis=0)
 

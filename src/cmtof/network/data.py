@@ -207,9 +207,9 @@ def pack_views(views: Sequence[Source]) -> Pack:
 def open_rooms(
     config: Config, find_tree: Callable[[Rooms], Path] | None = None
 ) -> Packs:
-    """Frames of a tree to train and to validate on; it is asked for if there are rooms.
+    """Frames of a tree to train and to validate on; without rooms ``find_tree`` is not called.
 
-    Without rooms none to train on, and leaves of a seed of their own.
+    Then there are none to train on, and leaves of a seed of their own to validate on.
     """
     if config.rooms is None:
         return None, _pack_of_leaves(config)

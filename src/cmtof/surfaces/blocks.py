@@ -51,7 +51,7 @@ def blocks_of_boxes(boxes):  # pragma: no cover - compiled
 
 @njit()
 def functions_of_blocks(field, places):  # pragma: no cover - compiled
-    """The six functions (6, N) of a surface in the middle of blocks, times the cosine."""
+    """Cosine times u, v, 1, u^2, u v, v^2 (6, N) in the middle of blocks."""
     y = places[:, 0]
     x = places[:, 1]
     last = SIDE - 1

@@ -43,7 +43,7 @@ class Field(NamedTuple):
 
     @property
     def side(self) -> int:
-        """Side, px, of what tells by itself by how much it departs: a pixel if most are clear."""
+        """Side, px, of the smallest unit whose misfit is significant alone: 1 if most are clear."""
         information = self.information.sum(axis=0)
         clear = information > ENOUGH
         return 1 if clear.sum() > (information > 0).sum() / 2 else CELL

@@ -93,7 +93,7 @@ def _products(some, others):  # pragma: no cover - compiled
 
 @njit()
 def move_surface(field, q, boxes, size, distance, down=0, right=0):  # pragma: no cover
-    """Nearest surface to this one moved, by m and by wraps per pixel; their distance, m (rms)."""
+    """Fit of a surface to this one moved by m and by wraps per pixel; its misfit, m (rms)."""
     places = blocks_of_boxes(boxes[:: max(1, len(boxes) // 100)])
     functions = functions_of_blocks(field, places)
     turned = down * _from_middle(places[:, 0]) + right * _from_middle(places[:, 1])
@@ -131,7 +131,7 @@ def evaluate_fit(field, region, q, size):  # pragma: no cover - compiled
 
 @njit()
 def change_by_a_wrap(field, region, q, weight):  # pragma: no cover - compiled
-    """Change (3,) of a plane that is moved by a wrap, and the covariance (3, 3) of its fit."""
+    """Change (3,), 1 / m, of a plane moved by a wrap, and its fit's covariance (3, 3), 1 / m^2."""
     _, _, h, matrix = _moments(field, region, q)
     out = np.empty((4, 3))
     out[0] = solve(matrix, h, PLANE)[:3]
