@@ -75,4 +75,4 @@ def test_impossible_conditions_are_refused(tilted_wall, changes, message):
 def test_depths_in_millimetres_are_suspected(tilted_wall):
     wall = Frame(1000 * tilted_wall.depth, tilted_wall.intensity)
     with refused("Are they in millimetres?"):
-        simulate(wall, protocol="full")
+        simulate(wall)

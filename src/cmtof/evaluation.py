@@ -94,7 +94,7 @@ class Tally:
         right = pixels["consistent"] == pixels["true_consistent"]
         error = np.abs(pixels["depth_error"])
         self._squares += np.sum(error**2)
-        self._confidences += float(np.sum(pixels["confidence"], dtype=float))
+        self._confidences += np.sum(pixels["confidence"], dtype=float)
         self._errors += np.bincount(
             np.searchsorted(_EDGES, error), minlength=_EDGES.size + 1
         )
@@ -125,8 +125,8 @@ class Tally:
             "delta_ge_3": 1 - lt_3,
             "delta_ge_10": 1 - lt_10,
             "consistent_lt_1": consistent,
-            "depth_rmse_m": float(np.sqrt(self._squares / whole)),
-            "depth_median_error_m": float(_EDGES[min(median, _EDGES.size - 1)]),
+            "depth_rmse_m": (self._squares / whole) ** 0.5,
+            "depth_median_error_m": float(_EDGES.take(median, mode="clip")),
             "mean_confidence": self._confidences / whole,
         }
 
@@ -167,7 +167,7 @@ class Evaluation:
 
     Call `add` for each frame, in order; the noise of frame i is drawn from (seed, i), and every
     method sees the same. ``conditions`` are options of `cmtof.simulation.simulate`. A method that
-    needs a package which is not installed goes from ``methods`` to ``missing``.
+    fails, as for want of a package, goes from ``methods`` to ``missing``, unless all do.
     """
 
     def __init__(self, methods: Sequence[str], **conditions: Any) -> None:
@@ -175,7 +175,7 @@ class Evaluation:
         self.options: Fields = {}  # of every method, such as weights
         self.conditions = conditions
         self.frames: list[str] = []
-        self.missing: dict[str, ModuleNotFoundError] = {}
+        self.missing: dict[str, Exception] = {}
         self.notes: Texts = {}  # by frame
         self._tallies = {name: Tally() for name in self.methods}
         self._coverage = 0.0
@@ -188,27 +188,31 @@ class Evaluation:
         )
         tallies = deepcopy(
             self._tallies
-        )  # a frame at which a method fails counts for none
+        )  # a frame at which every method fails counts for none
+        failed: dict[str, Exception] = {}
         for name, measurement in measurements.items():
             start = perf_counter()
             try:
                 result = unwrap(measurement, method=name, **self.options)
-            except ModuleNotFoundError as error:  # go on without it, if another is left
-                self.missing[name] = error
-                self.methods.remove(name)
-                if not self.methods:
+            except Exception as error:  # go on without it, if another is left
+                failed[name] = error
+                if len(failed) == len(measurements):
                     raise
             else:
                 tallies[name].seconds += perf_counter() - start
                 tallies[name].add(scored_pixels(result, measurement))
             yield name
-        self._tallies = {name: tallies[name] for name in self.methods}
+        self.missing |= failed
+        for name in failed:
+            del tallies[name]
+        self._tallies = tallies
+        self.methods = [*tallies]
         self.frames.append(frame.name)
         if frame.note:
             self.notes[frame.name] = frame.note
         first = next(iter(measurements.values()))
         self._simulated = first.dataset.attrs
-        self._coverage += float(first.mask.mean())
+        self._coverage += first.mask.mean()
 
     def add_all(self, frames: Iterable[Frame]) -> "Evaluation":
         """Run every method on every frame; return this evaluation."""

@@ -21,7 +21,7 @@ RELEASED_WRAPS = (36, 57)
 # Depth to which the released code shrinks each scene's 99.9th percentile, m.
 RELEASED_FAR_DEPTH = 1.195
 
-_FAR = 20.0  # nearest depth, m, beyond which depths seem to be no metres
+_FAR = 2.7  # nearest depth, over the farthest in range, beyond which depths seem to be no metres
 
 # The four reference phases of Eq. 8 in rising order, rad.
 QUADRATURES = tuple(float(k * np.pi / 2) for k in range(4))
@@ -137,7 +137,7 @@ def staged_depth(
         nearest = np.nanmin(depth)
         advice = (
             "Are they in millimetres?"
-            if nearest > _FAR
+            if nearest > _FAR * high
             else "Use another protocol or frame."
         )
         raise ValueError(

@@ -34,14 +34,14 @@ def save_dataset(dataset: Dataset, path: AnyPath) -> None:
     """
     check_output(path, ".nc")
     encoding = {name: {"zlib": True, "complevel": 1} for name in dataset.data_vars}
-    attributes = {name: _storable(value) for name, value in dataset.attrs.items()}
+    attributes = {name: storable(value) for name, value in dataset.attrs.items()}
     encoded = dataset.assign_attrs(attributes)
     stored = encoded.to_netcdf(engine="h5netcdf", encoding=encoding)
     with atomic_output(path) as part:
         part.write_bytes(stored)
 
 
-def _storable(value: Any) -> Any:
+def storable(value: Any) -> Any:
     """The value as netCDF can store it: numbers and text as they are, others as JSON or text."""
     if isinstance(value, bool | np.bool_):
         return int(value)

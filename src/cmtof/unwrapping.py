@@ -19,7 +19,7 @@ from cmtof.estimate import Components, Estimate, sets_of_wraps, within_range
 from cmtof.files import AnyPath, atomic_output
 from cmtof.measurement import Measurement, open_measurement, tiles
 from cmtof.methods import DEFAULT, find_method
-from cmtof.storage import open_netcdf, save_dataset
+from cmtof.storage import open_netcdf, save_dataset, storable
 from cmtof.types import Fields, Pair
 
 Unwrapped = tuple[
@@ -78,7 +78,7 @@ def unwrap(
         "range_max": measurement.range[1],
         "min_confidence": float(min_confidence),
         "stray_light_removed": int(covered is not None),
-        **{f"option_{name}": value for name, value in options.items()},
+        **{f"option_{name}": storable(value) for name, value in options.items()},
         "version": measurement.dataset.attrs.get("version", ""),
     }
     images = _result_variables(estimate, measurement, min_confidence)
@@ -188,10 +188,12 @@ def _unwrap_tiles(
         with h5netcdf.File(part, "w") as file:
             file.dimensions = {"y": height, "x": width}
             for seen, inner, place in tiles(dataset, tile, margin):
-                result = unwrap(seen, **how).drop_dims(
-                    ("number", "offset"), errors="ignore"
+                result = (
+                    unwrap(seen, **how)
+                    .drop_dims(("number", "offset"), errors="ignore")
+                    .drop_vars("component", errors="ignore")
+                    .isel(inner)
                 )
-                result = result.drop_vars("component", errors="ignore").isel(inner)
                 _write_tile(file, result, place)
                 file.attrs.update(result.attrs | {"tile": tile, "margin": margin})
                 yield (

@@ -175,10 +175,10 @@ def evaluate(
             _add_frames(evaluation, one, advance)
     if evaluation.frames:
         _report_scores(evaluation.report(), json_file)
-    for one in sets:  # each must hold a frame that loads
-        if len(one.skipped) == len(one.sources):
-            raise ValueError(next(iter(one.skipped.values())))
     _print_missing(evaluation.missing)
+    for one in sets:
+        if one.skipped:
+            raise ValueError(next(iter(one.skipped.values())))
     if evaluation.missing and method != "all":
         sys.exit(1)
 
@@ -197,8 +197,8 @@ def _add_frames(
         evaluation.notes[f"skipped {name}"] = why
 
 
-def _print_missing(missing: Mapping[str, ModuleNotFoundError]) -> None:
-    """Print one line on stderr per missing package: the methods left out for want of it."""
+def _print_missing(missing: Mapping[str, Exception]) -> None:
+    """Print one line on stderr per failure: the methods left out because of it."""
     methods_by_line: dict[str, list[str]] = {}
     for name, error in missing.items():
         methods_by_line.setdefault(error_line(error), []).append(name)

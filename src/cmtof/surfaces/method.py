@@ -149,7 +149,7 @@ def stages(
         touching,
         joined,
         depth,
-        _confidence(field, np.append(joined.odds, 0)[everywhere], grown, votes),
+        _confidence(field, np.append(joined.odds, 1)[everywhere], grown, votes),
         contacts.components(joined, touching, masked),
     )
 
