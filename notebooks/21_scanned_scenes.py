@@ -49,9 +49,10 @@ weights = weights_path("fast-scnn", "released", Path(results, "scanned"))
 card = read_card(weights)
 SCENES = scanned.SHOWN
 # right wraps of things that were held out, at each stage of the training, %
-rooms, *_, still, last = (100 * np.mean(one) for one in stored["validation"].values())
+rates = (100 * np.mean(one) for one in stored["validation"].values())
+rooms, *_, still, tuned, _, _, last = rates
+_, unlabelled, labelled = stored["legs"][4]
 settings = stored["settings"]
-labelled = settings["labelled"]
 points_a_side = settings["size"]
 
 # %% [markdown]
@@ -85,24 +86,27 @@ notes.say(
 notes.say(
     """
     Our version of the paper's network, `fast-scnn`, was trained on rooms ([chapter
-    8](08_network.ipynb)), and then on {rendered:.0f} rendered still lifes of made-up things. Rays
-    of the laser's spot and the law of its noise take a second, where a scan takes ten. It is
-    fine-tuned, as in Section 6.4, on {labelled:.0f} scans of other things: a vase, a shoe, a toy,
-    tools, a plant, fabric, books, a kettle, a pumpkin, a plush bear. Each scan shows one to three
-    of them, at random places, sizes and finishes, some lying, before a wall. The still lifes are
-    mixed in, and the weights kept are the mean of those before and after ([Wortsman et al.
-    2022](https://arxiv.org/abs/2109.01903)): on scans alone it forgot them. Labels are by stereo
-    ([chapter 16](16_stereo.ipynb)), here with cameras {apart:.0f} cm apart: they see nearly all
-    that the beam sees. Three more things are held out. On scans of these, still lifes raised the
-    share of right wraps from {rooms:.1f} to {still:.1f} %, labelled scans to {last:.1f} %. No shown
-    object is among those learnt or held out. All this was computed once by `python -m
-    cmtof_book.scanned`, which continues where it stopped.
+    8](08_network.ipynb)), and then on {unlabelled:.0f} rendered still lifes of made-up things.
+    Tracing the rays of the laser's spot and drawing the noise takes a second, simulating a scan
+    ten. It is fine-tuned, as in Section 6.4, on {labelled:.0f} scans of other things: a vase, a
+    shoe, a toy, tools, a plant, fabric, books, a kettle, a pumpkin, a plush bear. Each scan shows
+    one to three of them, at random places, sizes and finishes, some lying, before a wall. The still
+    lifes are mixed in, and the weights kept are the mean of those before and after ([Wortsman et
+    al. 2022](https://arxiv.org/abs/2109.01903)): tuned on scans alone, the network forgot them.
+    Labels are by stereo ([chapter 16](16_stereo.ipynb)), here with cameras {apart:.0f} cm apart:
+    they see nearly all that the beam sees. At the end it learns from other still lifes,
+    {rendered:.0f} in all. Three more things are held out. On scans of these, the first still lifes
+    raised the share of right wraps from {rooms:.1f} to {still:.1f} %, labelled scans to {tuned:.1f}
+    %, the other still lifes to {last:.1f} %. No shown object is among those learnt or held out. All
+    this was computed once by `python -m cmtof_book.scanned`, which continues where it stopped.
     """,
-    rendered=settings["rendered"],
+    unlabelled=unlabelled,
+    rendered=stored["legs"][-1][1],
     labelled=labelled,
     apart=100 * settings["baseline"],
     rooms=rooms,
     still=still,
+    tuned=tuned,
     last=last,
 )
 
@@ -378,8 +382,8 @@ plotting.save(
     "scan_needs",
     caption="What right wraps need, simulated. (a) `fast-scnn`, without still lifes, at the "
     "captures' noise by number of labelled scans, on which it is tuned for "
-    f"{stored['legs'][0]['steps']} steps; three scans of every scene. (b) At the captures' noise "
-    "by the points in the scan; the network, still lifes included, was fine-tuned at "
+    f"{stored['training'][0]['steps']} steps; three scans of every scene. (b) At the captures' "
+    "noise by the points in the scan; the network, still lifes included, was fine-tuned at "
     f"{points_a_side} points a side. (c) By the phase noise of a point, zero at "
     "the photon limit; the paper does not state its own. (b, c) are means over bust and owl. "
     "The reference is given the shapes.",
@@ -422,9 +426,10 @@ for name in objects:
         figure,
         f"fig16_{name}",
         caption=f"{name.capitalize()}: {ABOUT[name]}, simulated scan of {size} × {size} points "
-        "with the phase noise of the published captures. (c) Depth by the paper's network "
-        f"`fast-scnn`, trained on rooms and still lifes, fine-tuned on {labelled} scans of other "
-        "objects, with the share of right wraps in this scan, and (d) its error.",
+        "with the phase noise of the published captures. (c) Depth by `fast-scnn`, our version of "
+        "the paper's network, trained on rooms and still lifes, fine-tuned on "
+        f"{labelled} scans of other objects, with the share of right wraps in this scan, and (d) "
+        "its error.",
         alt=f"A rendering of the {name}, its true range, that by the network with "
         f"{right[name, 'tuned']:.0f} percent right wraps, and a map of the errors.",
         format="png",
@@ -521,7 +526,8 @@ plotting.save(
     caption=f"Pixels with the right wrap in simulated scenes ({len(SCENES)}), (a) with photon "
     "noise alone and (b) with the captures' phase noise, means of three scans each, and "
     "(c) with that noise by class of pixel, with its share. `fast-scnn`, our version of the "
-    f"paper's network, saw {card.crops:,} of its 500,000 crops; `surfaces` is this book's.",
+    f"paper's network, was trained on {card.crops:,} crops of rooms before, the paper's on 500,000 "
+    "larger ones; `surfaces` is this book's.",
     alt="Dots of right wraps for each scene and for each class of pixel, a colour a method.",
 )
 CASES = {

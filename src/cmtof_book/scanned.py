@@ -7,6 +7,7 @@ computed again. Rates and fine-tuned weights go where the chapters read them: bo
 taken out of book/results/scanned.json or book/results/scanned is counted or trained again.
 """
 
+import gc
 from collections.abc import Callable, Iterable, Iterator
 from dataclasses import replace
 from functools import partial
@@ -77,11 +78,11 @@ CURVE = (1, 3, 10, 40, 136, 300)  # labelled scans whose worth is compared
 
 VALIDATED = 9  # scans of held-out things
 
-# Labelled scans, and metres between the cameras: side by side they see what the beam sees.
-LABELS = {"labelled": 40, "baseline": 0.06}
-# Legs of training on rendered still lifes, before any scan, and how many more of them each has.
-LEGS = 4
-STILLS = 400
+BASELINE = 0.06  # between the cameras, m: side by side they see what the beam sees
+# Legs of training, the first without labels: the first rendered still life that is learnt, the
+# last, and labelled scans among them.
+_FIRST = ((0, 400, 0), (0, 800, 0), (0, 1200, 0), (0, 1600, 0))
+LEGS = (*_FIRST, (0, 1600, 40), (1600, 2000, 0), (1600, 2400, 0), (1600, 2800, 0))
 
 NETWORK = "fast-scnn"
 # Rows with the fine-tuned weights, and their methods.
@@ -93,7 +94,6 @@ TUNED_ROWS = {
 # Options of `cmtof.network.tuning.fine_tune`, on scans and on rendered still lifes.
 TUNING: Values = {"steps": 600, "learning_rate": 5e-4, "crop": 192, "batch": 2}
 LEARNING: Values = TUNING | {"steps": 2500}
-REPEATED = 10  # times that a scan is counted among still lifes
 
 DEPTH_WEIGHT = 0.005  # weight of the distance in depth, 1/mm, as where the network was trained last
 
@@ -202,6 +202,7 @@ def load_or_make(name: str, made: Callable[[], Measurement]) -> Measurement:
     path = FOLDER / f"{name}.nc"
     if not path.exists():
         made().save(path)
+        gc.collect()  # cycles of meshes, which hold more memory than Python sees
         print("scanned", name, flush=True)
     return cmtof.open(path)
 
@@ -234,43 +235,38 @@ def labelled_scan(number: int, group: int) -> Measurement:
     target = MeshTarget.from_mesh(mesh)
     seed = 1000 + 5000 * group + number
     scan = scan_target(target, "captures", field_of_view=view, seed=seed)
-    rig = stereo.simulated_rig(baseline=LABELS["baseline"])
+    rig = stereo.simulated_rig(baseline=BASELINE)
     rng = np.random.default_rng(number)
     spots = stereo.scan_spots(frame_of(target, scan), rig, rng=rng)
     found = stereo.truth_from_spots(spots, rig, phase=scan.phase[0])
     return labelled(scan.dataset.drop_vars("raw_counts"), found.wraps, found.depth)
 
 
-def rendered_weights(legs: int) -> Path:
-    """Weights after legs on rendered still lifes, `STILLS` more in each; before any, of rooms."""
-    path = weights_path(NETWORK, "released", FOLDER / f"rendered_{legs}")
-    start = partial(rendered_weights, legs - 1)
-    stills = examples(legs * STILLS, RENDERED)
-    if not legs:
-        return weights_path(NETWORK, "released")
-    return trained_leg(path, start, stills, seed=legs, **LEARNING)
-
-
 def tuned_weights(scans: int) -> Path:
     """Weights of rooms, tuned on labelled scans alone."""
     path = weights_path(NETWORK, "released", FOLDER / f"tuned_{scans}_1")
-    start = partial(rendered_weights, 0)
-    return trained_leg(path, start, examples(scans), seed=1, **TUNING)
+    return trained_leg(path, best_weights(0), examples(range(scans)), seed=1, **TUNING)
 
 
-def best_weights() -> Path:
-    """Mean of the weights before and after a leg on labelled scans among still lifes.
+def best_weights(legs: int = len(LEGS)) -> Path:
+    """Weights after the first legs of training; before any, those of rooms.
 
-    On scans alone a network forgets the still lifes; for the mean see Wortsman et al. (CVPR 2022).
+    On scans alone a network forgets the still lifes. So a leg with scans has both, and what is kept
+    is the mean of the weights before and after it; for the mean see Wortsman et al. (CVPR 2022).
     """
-    path = weights_path(NETWORK, "released", TUNED)
-    if not path.exists():
-        after = weights_path(NETWORK, "released", FOLDER / "tuned")
-        start = partial(rendered_weights, LEGS)
-        scans = examples(LABELS["labelled"], times=REPEATED)
-        both = chain(examples(LEGS * STILLS, RENDERED), scans)
-        trained_leg(after, start, both, seed=LEGS + 1, **LEARNING)
-        write_mean(path, after, start())
+    if not legs:
+        return weights_path(NETWORK, "released")
+    folder = FOLDER / f"leg_{legs}"
+    path = weights_path(NETWORK, "released", TUNED if legs == len(LEGS) else folder)
+    if path.exists():
+        return path
+    first, last, scans = LEGS[legs - 1]
+    trained = folder / "trained.safetensors"
+    start = best_weights(legs - 1)
+    among = examples([*range(scans)] * 10)  # as often as so many more
+    both = chain(examples(range(first, last), RENDERED), among)
+    trained_leg(trained, start, both, seed=last // 400 + (scans > 0), **LEARNING)
+    write_mean(path, trained, start if scans else trained)
     return path
 
 
@@ -284,14 +280,14 @@ def write_mean(path: Path, *files: Path) -> None:
     save_weights(path, one.network, one.card)
 
 
-def examples(count: int, group: int = 0, times: int = 1) -> Iterator[Any]:
-    """The first examples of a group one by one, so that only what is learnt from them is held."""
-    return (example(number, group) for number in [*range(count)] * times)
+def examples(numbers: Iterable[int], group: int = 0) -> Iterator[Any]:
+    """Examples of a group one by one, so that only what is learnt from them is held."""
+    return (example(number, group) for number in numbers)
 
 
 def trained_leg(
     path: Path,
-    start: Callable[[], Path],
+    start: Path,
     learnt: Iterable[Any],
     *,
     seed: int,
@@ -307,7 +303,7 @@ def trained_leg(
     from cmtof.network.weights import load_weights, save_weights
 
     if not path.exists():
-        trained = load_weights(start())
+        trained = load_weights(start)
         model = trained.network.model
         trained.network.model = model._replace(depth_weight=DEPTH_WEIGHT)
         torch.set_num_threads(1)
@@ -373,14 +369,15 @@ def main() -> None:
     """Compute what is missing, and store it."""
     FOLDER.mkdir(parents=True, exist_ok=True)
     counts = Counts(RATES)
-    stages = {f"rendered {n}": partial(rendered_weights, n) for n in range(LEGS + 1)}
-    for stage, trained in {**stages, "tuned": best_weights}.items():
-        counts.keep("validation", stage, of=partial(validation_rates, trained))
+    for legs in range(len(LEGS) + 1):
+        trained = partial(best_weights, legs)
+        counts.keep("validation", f"{legs} legs", of=partial(validation_rates, trained))
     counts.store(
         command="python -m cmtof_book.scanned",
         version=__version__,
-        settings={"size": SIZE, "seeds": SEEDS, "rendered": LEGS * STILLS} | LABELS,
-        legs=[TUNING, LEARNING],
+        settings={"size": SIZE, "seeds": SEEDS, "baseline": BASELINE},
+        legs=LEGS,
+        training=[TUNING, LEARNING],
         weights=read_card(best_weights()).sha256,
     )
     rows: Rows = {name: (name,) for name in (*METHODS, *TOLD) if name != "phasor"}
@@ -390,7 +387,10 @@ def main() -> None:
     compare(counts, "photon", rows | stray)
     swept = ("kde", *TOLD)
     sweep(counts, {NETWORK: rows["tuned"], **{name: (name,) for name in swept}})
-    rows |= {"phasor": ("phasor",), "rendered": (NETWORK, stages[f"rendered {LEGS}"])}
+    rows |= {
+        "phasor": ("phasor",),
+        "rendered": (NETWORK, partial(best_weights, 4)),
+    }
     for n in CURVE:
         rows[f"{n} scans"] = (NETWORK, partial(tuned_weights, n))
     compare(counts, "captures", rows)
