@@ -21,9 +21,6 @@ from cmtof.estimate import Estimate, phase_noise, within_range, wraps_in_range
 from cmtof.measurement import Measurement
 from cmtof.types import Array, Numbers
 
-# Least noise of a misfit, rad, that is assumed: the phases are decoded from float32.
-_FINEST = 2e-5
-
 
 def crt(measurement: Measurement) -> Estimate:
     """Range-limited search for the wrap with the smallest remainder, pixel by pixel."""
@@ -116,14 +113,14 @@ def _misfit_noise(
     """Standard deviation (H, W), rad, of the misfit, which changes by ``gap`` from wrap to wrap.
 
     Where only phases were kept it follows from the residuals, if they are clearly smaller than
-    those of random phases.
+    those of random phases. It is a third of the gap at least: else the sum is no integral.
     """
     noise = phase_noise(measurement)
     # infinite where nothing was measured: there every wrap is as likely
-    spread = np.hypot(noise[1], ratio * noise[0]).clip(_FINEST, 1e9)
+    spread = np.hypot(noise[1], ratio * noise[0]).clip(gap / 3, 1e9)
     typical = np.median(np.abs(residual[measurement.mask]))
     if "correlation" not in measurement.dataset and typical < gap / 8:
-        return np.where(spread < 1e9, max(1.5 * typical, _FINEST), spread)
+        return np.where(spread < 1e9, max(1.5 * typical, gap / 3), spread)
     return spread
 
 
