@@ -544,8 +544,8 @@ notes.answer(
     """
     **Answer.** Two passes through the crystal, two wave plates and a polarising splitter turn phase
     into intensity; one plate turned by 11.25° doubles the frequency. At η = {eta:.2f} the doubled
-    amplitude is {ratio:.3f} of the single one. Eqs. 14 to 18 are right as
-    printed; Eq. 19 is too small by a factor of two ([errata](22_errata.ipynb)).
+    amplitude is {ratio:.3f} of the single one. Eqs. 14 to 18 are right as printed;
+    Eq. 19 is too small by a factor of two ([errata](22_errata.ipynb)).
     """,
     eta=eta,
     ratio=ratio,

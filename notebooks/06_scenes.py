@@ -159,8 +159,8 @@ notes.answer(
     """
     **Answer.** Furnished rooms drawn at random, ray-traced; ranges are computed in double
     precision and stored in single. Their median pixel lies in a surface of {size:,.0f} pixels whose
-    range changes by {slope:.3f} wraps a pixel. The
-    depth that Hypersim stores would add {rms:.2f} rad of phase error.
+    range changes by {slope:.3f} wraps a pixel. The depth that Hypersim stores would add {rms:.2f}
+    rad of phase error.
     """,
     size=medians["rooms"][2],
     slope=medians["rooms"][0],

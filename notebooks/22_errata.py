@@ -8,11 +8,10 @@
 # symbol may be the transcription's; such entries are marked †. None affects the paper's main
 # result: light can be correlated at 7 and 14 GHz in free space.
 #
-# **Slips** are verified by algebra or arithmetic, and only they are called *proved*; those marked †
-# are if the transcription is right.
-# **Inconsistencies** are contradictions of two places in the paper. **Remarks** add what the paper
-# leaves out; its numbers there are right. **Inferences** are our reading and could be wrong. This
-# run prints the numbers under each entry; entry 29 was withdrawn.
+# **Slips** are verified by algebra or arithmetic, and only they are called *proved*: entries with †
+# if the transcription is right. **Inconsistencies** are contradictions of two places in the paper.
+# **Remarks** add what the paper leaves out; its numbers there are right. **Inferences** are our
+# reading and could be wrong. This run prints the numbers under each entry; entry 29 was withdrawn.
 
 # %% tags=["parameters", "hide-input"]
 profile: str = "book"  # size profile
@@ -116,10 +115,9 @@ holds[3] = np.isclose(literal, TAU)
 # of class n must be meant.
 #
 # ### 9 · The doubled mode
-# [Eq. 19](04_modulator.ipynb#eq-19) is from its second line on half of what its first line gives,
-# and the amplitude is not a fixed
-# quarter of the single mode's: the ratio is $J_2(2\eta)/J_1(2\eta)\approx\eta/2$, and squared in
-# the correlation.
+# From its second line on [Eq. 19](04_modulator.ipynb#eq-19) is half of what its first line gives,
+# and the amplitude is not a fixed quarter of the single mode's: the ratio is
+# $J_2(2\eta)/J_1(2\eta)\approx\eta/2$, and squared in the correlation.
 
 # %% tags=["hide-input"]
 logits = 3.0 * (np.arange(21) == 7)  # a network that is sure of class 7
@@ -535,9 +533,8 @@ for group, numbers in groups.items():
 notes.answer(
     """
     **Answer.** {proved} slips are proved, such as Eq. 19, which gives half of its own first line;
-    {apart}
-    places contradict others. An integrator of 100 ms, as stated, would damp a sweep of 13 ms
-    {damping:.0f} times. Table 4 is offset rather than noise: of {sets:,} sets of random Gaussian
+    {apart} places contradict others. An integrator of 100 ms, as stated, would damp a sweep of 13
+    ms {damping:.0f} times. Table 4 is offset rather than noise: of {sets:,} sets of random Gaussian
     errors, {equal} have magnitudes as equal.
     """,
     proved=len(slips),

@@ -106,8 +106,8 @@ def test_rooms_are_rendered_and_evaluated_as_a_folder(succeeds, fails):
     assert "0 views rendered" in succeeds(command)
     lost = next(Path().rglob("frame.0001.color.hdf5"))
     lost.write_bytes(lost.read_bytes()[:100])
-    options = "--method beat --protocol full --json scores.json"
-    assert "frame.0001.color.hdf5" in fails("evaluate rooms", options)
+    command = "evaluate rooms --method beat --protocol full --json scores.json"
+    assert "frame.0001.color.hdf5" in fails(command)
     assert len(read_json(SCORES)["frames"]) == 1
 
 

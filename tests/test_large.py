@@ -64,16 +64,18 @@ def test_tiles_equal_the_whole(stack, method, margin, engine):
 
 def test_every_tile_has_the_rays_of_the_whole(stack):
     whole = cmtof.open(stack).camera
-    tiles = unwrap_file(
-        stack,
-        "t.nc",
-        tile=160,
-        method="fast-scnn",
-        weights=weights_path("fast-scnn", "full"),
-    )
-    centres = [tile.camera[2:4].tolist() for _, tile, _ in tiles]
-    corners = [(0, 0), (32, 0), (0, 32), (32, 32)]  # x, y of what each of them saw
-    assert_allclose(centres, [whole[2:4] - corner for corner in corners])
+    centres = [
+        tile.camera[2:4].tolist()
+        for _, tile, _ in unwrap_file(
+            stack,
+            "t.nc",
+            tile=160,
+            method="fast-scnn",
+            weights=weights_path("fast-scnn", "full"),
+        )
+    ]
+    corners = [[0, 0], [32, 0], [0, 32], [32, 32]]  # x, y of what each of them saw
+    assert_allclose(centres, whole[2:4] - corners)
 
 
 def test_nothing_is_written_unless_all_tiles_are_whole(stack):

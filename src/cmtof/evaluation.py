@@ -110,7 +110,7 @@ class Tally:
         counts = [[*frame["below"], frame["consistent"]] for frame in self.frames]
         shares = np.sum(counts, axis=0) / whole
         lt_1, lt_2, lt_3, lt_10, consistent = shares.tolist()
-        median = int(np.searchsorted(np.cumsum(self._errors), whole / 2))
+        median = np.searchsorted(np.cumsum(self._errors), whole / 2)
         sets = {
             name: float(
                 np.mean([frame[name] / frame["pixels"] for frame in self.frames])

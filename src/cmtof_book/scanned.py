@@ -263,8 +263,9 @@ def best_weights(legs: int = len(LEGS)) -> Path:
     first, last, scans = LEGS[legs - 1]
     trained = folder / "trained.safetensors"
     start = best_weights(legs - 1)
-    among = examples([*range(scans)] * 10)  # as often as so many more
+    among = examples([*range(scans)] * 10)  # ten times, or stills would outnumber them
     both = chain(examples(range(first, last), RENDERED), among)
+    # a number of its own, though a leg with scans learns the still lifes of the one before
     trained_leg(trained, start, both, seed=last // 400 + (scans > 0), **LEARNING)
     write_mean(path, trained, start if scans else trained)
     return path
@@ -387,10 +388,7 @@ def main() -> None:
     compare(counts, "photon", rows | stray)
     swept = ("kde", *TOLD)
     sweep(counts, {NETWORK: rows["tuned"], **{name: (name,) for name in swept}})
-    rows |= {
-        "phasor": ("phasor",),
-        "rendered": (NETWORK, partial(best_weights, 4)),
-    }
+    rows |= {"phasor": ("phasor",), "rendered": (NETWORK, partial(best_weights, 4))}
     for n in CURVE:
         rows[f"{n} scans"] = (NETWORK, partial(tuned_weights, n))
     compare(counts, "captures", rows)

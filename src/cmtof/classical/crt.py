@@ -21,6 +21,9 @@ from cmtof.estimate import Estimate, phase_noise, within_range, wraps_in_range
 from cmtof.measurement import Measurement
 from cmtof.types import Array, Numbers
 
+# Least noise of a misfit, rad, that is assumed: the phases are decoded from float32.
+_FINEST = 2e-5
+
 
 def crt(measurement: Measurement) -> Estimate:
     """Range-limited search for the wrap with the smallest remainder, pixel by pixel."""
@@ -113,14 +116,14 @@ def _misfit_noise(
     """Standard deviation (H, W), rad, of the misfit, which changes by ``gap`` from wrap to wrap.
 
     Where only phases were kept it follows from the residuals, if they are clearly smaller than
-    those of random phases. It is a third of the gap at least: else the sum is no integral.
+    those of random phases.
     """
     noise = phase_noise(measurement)
     # infinite where nothing was measured: there every wrap is as likely
-    spread = np.hypot(noise[1], ratio * noise[0]).clip(gap / 3, 1e9)
+    spread = np.hypot(noise[1], ratio * noise[0]).clip(_FINEST, 1e9)
     typical = np.median(np.abs(residual[measurement.mask]))
     if "correlation" not in measurement.dataset and typical < gap / 8:
-        return np.where(spread < 1e9, max(1.5 * typical, gap / 3), spread)
+        return np.where(spread < 1e9, 1.5 * typical + _FINEST, spread)
     return spread
 
 
@@ -142,10 +145,12 @@ def _posterior(measurement: Measurement, wraps: Numbers, residual: Array) -> Arr
             )
             for n in range(first, last + 1)
         )
+    # below a third of the gap the sum is no integral any more
+    spread = spread.clip(gap / 3)
     size = residual * np.sign(step)
     upper = (wraps - first + 0.5) * gap + size
     lower = size - (last - wraps + 0.5) * gap
     mass = ndtr(upper / spread) - ndtr(lower / spread)
     # beyond the cap the mass has vanished and the chosen wrap stands alone
-    lift = np.exp(np.minimum((residual / spread) ** 2 / 2, 600))
-    return 1 / np.maximum(np.sqrt(TAU) * spread / gap * mass * lift, 1.0)
+    mass *= np.exp(np.minimum((residual / spread) ** 2 / 2, 600))
+    return 1 / np.maximum(np.sqrt(TAU) * spread / gap * mass, 1.0)

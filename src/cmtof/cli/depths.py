@@ -177,8 +177,8 @@ def evaluate(
         _report_scores(evaluation.report(), json_file)
     _print_missing(evaluation.missing)
     for one in sets:
-        if one.skipped:
-            raise ValueError(next(iter(one.skipped.values())))
+        for why in one.skipped.values():
+            raise ValueError(why)
     if evaluation.missing and method != "all":
         sys.exit(1)
 
