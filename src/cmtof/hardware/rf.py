@@ -126,10 +126,8 @@ class RfDriver(Device):
 
     def load_table(self, phases: Array) -> None:
         """Load phases of the drive, rad, that the trigger steps through."""
-        self._within(TABL=len(phases))
         codes = [str(code_from_phase(phase)) for phase in phases]
-        found = self._ask("TABL", str(len(codes)), *codes)
-        self._expect("TABL", len(codes), number(" ".join(found)))
+        self._set("TABL", len(codes), 0.0, *codes)
 
     def trigger(self, on: bool) -> None:
         """Let rising edges at the trigger input step the table, or not."""
@@ -150,10 +148,10 @@ class RfDriver(Device):
         with one_error(self.name):
             return dict(zip(("model", "serial_number", "firmware"), words, strict=True))
 
-    def _set(self, word: str, value: float, tolerance: float = 0.0) -> None:
-        """Set a number within its limits; `Refused` if the device confirms another."""
+    def _set(self, word: str, value: float, tolerance: float = 0.0, *more: str) -> None:
+        """Set a number within its limits, and what follows it; `Refused` if it is not confirmed."""
         self._within(**{word: value})
-        found = number(" ".join(self._ask(word, f"{value:.12g}")))
+        found = number(" ".join(self._ask(word, f"{value:.12g}", *more)))
         self._expect(word, value, found, tolerance)
 
     def _switch(self, word: str, on: bool) -> None:
