@@ -68,7 +68,7 @@ def sums_from_counts(
     samples = samples.reshape(len(samples), np.size(kept), -1)
     size = samples.shape[2]
     used = np.arange(size) >= np.subtract(size, kept)[:, None]
-    clips = ((samples == 0) | (samples == FULL_SCALE)) & used
+    clips = np.isin(samples, (0, FULL_SCALE)) & used
     sums = np.where(used, samples, 0).sum(axis=2, dtype=np.uint32)
     return sums, clips.sum(axis=(1, 2)).astype(np.uint16)
 
