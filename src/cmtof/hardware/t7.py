@@ -43,7 +43,7 @@ def write_request(values: Registers) -> bytes:
     frame = b""
     for register, value in values.items():
         address, kind = REGISTERS[register]
-        data = np.atleast_1d(value).astype(f">{np.dtype(kind).str[1:]}").tobytes()
+        data = np.array(value, f">{kind}").tobytes()
         frame += struct.pack(">BHB", 1, address, len(data) // 2) + data
     return frame
 
@@ -78,9 +78,6 @@ class LabJackT7(Device):
         self._stream = stream
         self._safe_lines = list(safe_lines)
         self._parked = dict.fromkeys(parked, 0.0)
-        self._settings = {}
-        self._waveform = {}
-        self._size = 0
         self.rate = 0.0  # actual sample rate of the last burst, Hz
 
     def close(self) -> None:
@@ -124,7 +121,7 @@ class LabJackT7(Device):
             raise ValueError(
                 f"Expected bursts of whole pulses of {pulse} samples, got {scans}. Change one."
             )
-        bit = 1 << int(pulse_line[-1])
+        bit = self._bits([pulse_line])
         inhibit = (0xFF & ~bit) << 8
         self._size = scans * len(channels)
         self._stream.timeout = scans / rate + 0.5
@@ -145,11 +142,11 @@ class LabJackT7(Device):
             "STREAM_SCANLIST_ADDRESS0": 4800,  # STREAM_OUT0
         }
         for place, channel in enumerate(channels, 1):
-            self._settings[f"{channel}_RANGE"] = VOLTS_RANGE
-            self._settings[f"{channel}_NEGATIVE_CH"] = 199  # single-ended
-            self._settings[f"STREAM_SCANLIST_ADDRESS{place}"] = 2 * int(
-                channel.removeprefix("AIN")
-            )
+            self._settings |= {
+                f"{channel}_RANGE": VOLTS_RANGE,
+                f"{channel}_NEGATIVE_CH": 199,  # single-ended
+                f"STREAM_SCANLIST_ADDRESS{place}": 2 * int(channel[-1]),
+            }
         self._waveform = {
             "STREAM_DATATYPE": 0,  # must be 0, and cannot be read back
             pulse_line: 0,  # also makes it an output
@@ -189,15 +186,15 @@ class LabJackT7(Device):
 
     def _samples(self) -> Counts:
         """Counts of a started burst, from its packets, 16-bit."""
-        width = 8 + gcd(self._size, PACKET)  # words of a packet, 8 of them its head
-        wanted = self._size // (width - 8) * 2 * width
+        size = self._settings["STREAM_SAMPLES_PER_PACKET"]
+        packet = np.dtype([("head", ">u2", 8), ("counts", ">u2", size)])
+        wanted = self._size // size * packet.itemsize
         with one_error(self.name):
             data = self._stream.read(wanted)
-        words = np.frombuffer(data, ">u2", len(data) // (2 * width) * width).reshape(
-            -1, width
-        )
-        number, _, length, function, kind, _, status, _ = words[:, :8].T
-        known = (function & 0xFF == 76) & (kind == 0x1000) & (length == 2 * width - 6)
+        packets = np.frombuffer(data, packet, len(data) // packet.itemsize)
+        number, _, length, function, kind, _, status, _ = packets["head"].T
+        known = (function & 0xFF == 76) & (kind == 0x1000)
+        known &= length == packet.itemsize - 6
         if (
             not (known & np.isin(status, (0, COMPLETE))).all()
             or (np.diff(number) != 1).any()
@@ -210,7 +207,7 @@ class LabJackT7(Device):
             )
         if len(data) < wanted:
             self._fail(InstrumentTimeout, "send all samples", "fewer", "Take it again.")
-        return words[:, 8:].ravel().astype(np.uint16)
+        return packets["counts"].ravel().astype(np.uint16)
 
     def _stop(self) -> None:
         """Stop the stream; no error if none runs."""
