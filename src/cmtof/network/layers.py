@@ -55,32 +55,21 @@ def scale_and_offset(norm: nn.Module) -> tuple[Tensor, Tensor]:
     return scale, norm.bias - norm.running_mean * scale  # pyright: ignore[reportOperatorIssue]
 
 
-def conv(
-    i: int,
-    o: int,
-    kernel=3,
-    *,
-    relu=True,
-    norm: type = nn.BatchNorm2d,
-    dilation=1,
-    **more,
-) -> NormedConv:
+def conv(i: int, o: int, kernel=3, *, relu=True, dilation=1, **more) -> NormedConv:
     """Convolution from i to o channels, norm, ReLU; ``more`` are options of `torch.nn.Conv2d`."""
     # one kernel for each channel
     alone = dilation > 1 and more.get("groups", 1) > 1
     kind = SingleConv2d if alone else nn.Conv2d
     margin = dilation * (kernel // 2)
     layer = kind(i, o, kernel, padding=margin, dilation=dilation, bias=False, **more)
-    return NormedConv(layer, norm(o), *([nn.ReLU(inplace=True)] if relu else []))
-
-
-def separable(
-    i: int, o: int, stride: int = 1, norm: type = nn.BatchNorm2d
-) -> nn.Sequential:
-    """Depthwise separable convolution from i to o channels."""
-    return nn.Sequential(
-        conv(i, i, stride=stride, groups=i, norm=norm), conv(i, o, 1, norm=norm)
+    return NormedConv(
+        layer, nn.BatchNorm2d(o), *([nn.ReLU(inplace=True)] if relu else [])
     )
+
+
+def separable(i: int, o: int, stride: int = 1) -> nn.Sequential:
+    """Depthwise separable convolution from i to o channels."""
+    return nn.Sequential(conv(i, i, stride=stride, groups=i), conv(i, o, 1))
 
 
 def resize_like(x: Tensor, like: Tensor, aligned: bool = False) -> Tensor:
@@ -96,23 +85,14 @@ def resize_like(x: Tensor, like: Tensor, aligned: bool = False) -> Tensor:
 class Bottleneck(nn.Module):
     """Inverted residual of MobileNetV2: widen, convolve each channel, narrow, add."""
 
-    def __init__(
-        self,
-        i: int,
-        o: int,
-        stride=1,
-        expansion=6,
-        dilation=1,
-        norm: type = nn.BatchNorm2d,
-    ) -> None:
+    def __init__(self, i: int, o: int, stride: int, expansion=6, dilation=1) -> None:
         super().__init__()
         wide = expansion * i
         self.residual = stride == 1 and i == o
-        middle = conv(
-            wide, wide, stride=stride, groups=wide, dilation=dilation, norm=norm
-        )
+        # the first to draw its weights
+        middle = conv(wide, wide, stride=stride, groups=wide, dilation=dilation)
         self.body = nn.Sequential(
-            conv(i, wide, 1, norm=norm), middle, conv(wide, o, 1, relu=False, norm=norm)
+            conv(i, wide, 1), middle, conv(wide, o, 1, relu=False)
         )
 
     def forward(self, x: Tensor) -> Tensor:

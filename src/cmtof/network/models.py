@@ -231,26 +231,29 @@ class PublicFastSCNN(Network):
     def build(self) -> None:
         enter = nn.Conv2d(self.inputs, 32, 3, 2, bias=False)
         self.down = nn.Sequential(
-            NormedConv(enter, ImageNorm(32), nn.ReLU()),
-            separable(32, 48, norm=ImageNorm),
-            separable(48, 64, norm=ImageNorm),
+            NormedConv(enter, nn.BatchNorm2d(32), nn.ReLU()),
+            separable(32, 48),
+            separable(48, 64),
         )
         blocks = (
-            Bottleneck(i, o, 2 if k in self.halved else 1, norm=ImageNorm)
+            Bottleneck(i, o, 2 if k in self.halved else 1)
             for k, (i, o) in enumerate(pairwise(self.widths))
         )
         self.extract = nn.Sequential(*blocks, public.PublicPyramid(128, (2, 3, 6)))
         self.deep = nn.Sequential(
-            conv(128, 128, groups=128, norm=ImageNorm),
-            conv(128, 128, 1, relu=False, norm=ImageNorm),
+            conv(128, 128, groups=128),
+            conv(128, 128, 1, relu=False),
         )
-        self.fine = conv(64, 128, 1, relu=False, norm=ImageNorm)
+        self.fine = conv(64, 128, 1, relu=False)
         self.classify = nn.Sequential(
-            separable(128, 128, norm=ImageNorm),
-            separable(128, 128, norm=ImageNorm),
+            separable(128, 128),
+            separable(128, 128),
             nn.Dropout(0.1),
             nn.Conv2d(128, self.outputs, 1),
         )
+        for layer in self.modules():
+            if isinstance(layer, NormedConv):
+                layer[1] = ImageNorm(layer[1].num_features)  # pyright: ignore[reportArgumentType]
 
     def body(self, x: Tensor) -> Tensor:
         fine = self.down(x)  # (B, 64, H/2, W/2)

@@ -6,7 +6,7 @@ Facts from https://github.com/princeton-computational-imaging/GHz-ToF, ``net/arc
 import torch
 from torch import Tensor, nn
 
-from cmtof.network.layers import ImageNorm, conv, resize_like
+from cmtof.network.layers import conv, resize_like
 
 
 def averaging_matrix(size: int, count: int, like: Tensor) -> Tensor:
@@ -31,10 +31,8 @@ class PublicPyramid(nn.Module):
         super().__init__()
         self.counts = counts  # parts of a row and of a column
         quarter = width // 4
-        self.branches = nn.ModuleList(
-            conv(width, quarter, 1, norm=ImageNorm) for _ in counts
-        )
-        self.join = conv(width + quarter * len(counts), width, 1, norm=ImageNorm)
+        self.branches = nn.ModuleList(conv(width, quarter, 1) for _ in counts)
+        self.join = conv(width + quarter * len(counts), width, 1)
 
     def forward(self, x: Tensor) -> Tensor:
         height, width = x.shape[-2:]
