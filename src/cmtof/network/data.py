@@ -11,7 +11,7 @@ import numpy as np
 import torch
 from numpy.random import Generator, default_rng
 from torch import Tensor
-from torch.utils.data import Dataset
+from torch.utils.data import Dataset, default_collate
 
 from cmtof.constants import FREQUENCIES, GAIN, INTEGRATION_TIME, SPEED_OF_LIGHT
 from cmtof.correlation import TAU, wrap_length
@@ -247,7 +247,7 @@ def room_crop(rng: Generator, pack: Pack, side: int, protocol: str) -> Crop:
     _, *best = max(draws, key=itemgetter(0))
     turn = int(rng.integers(4))
     mirror = 1 - 2 * rng.integers(2)
-    depth, light = (np.rot90(image, turn)[:, ::mirror] for image in best)
+    depth, light = (np.rot90(image, turn)[:, ::mirror].copy() for image in best)
     return depth, np.clip(light * np.exp(rng.uniform(-0.4, 0.4)), 0, 1)
 
 
@@ -257,7 +257,7 @@ def _draw_window(
     """Share in range of a window of a frame, two of three times moved, its depth and intensity."""
     first, classes = CLASSES[protocol]
     sizes = np.subtract(pack.depth.shape, (0, side - 1, side - 1))
-    view, y, x = (rng.integers(size) for size in sizes)
+    view, y, x = rng.integers(sizes)
     depth, light = pack.staged_window(view, protocol, np.s_[y : y + side, x : x + side])
     known = depth[np.isfinite(depth)]
     if known.size and rng.uniform() < 2 / 3:
@@ -298,15 +298,14 @@ class Steps(Dataset[Batch]):
 
 def batch_of(crops: list[tuple], offset: float = 0.0) -> Batch:
     """Batch of crops (depth, intensity, sigma, generator of their noise and phase offset)."""
-    depth, light, sigma, rngs = zip(*crops, strict=True)
-    noise = [
-        rng.standard_normal((4, 2, *depth[0].shape), dtype=np.float32) for rng in rngs
+    drawn = [
+        (
+            depth,
+            light.astype(np.float32),
+            np.float32(sigma),
+            rng.standard_normal((4, 2, *depth.shape), dtype=np.float32),
+            rng.normal(0, offset, 2).astype(np.float32),
+        )
+        for depth, light, sigma, rng in crops
     ]
-    images = (
-        np.stack(depth),
-        np.stack(light).astype(np.float32),
-        np.float32(sigma),  # pyright: ignore[reportArgumentType]
-        np.stack(noise),
-        np.float32([rng.normal(0, offset, 2) for rng in rngs]),  # pyright: ignore[reportArgumentType]
-    )
-    return Batch(*map(torch.from_numpy, images))
+    return Batch(*default_collate(drawn))
