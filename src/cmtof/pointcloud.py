@@ -7,6 +7,22 @@ from cmtof.files import AnyPath, atomic_output
 from cmtof.frame import ray_lengths, rays_from_camera
 from cmtof.types import Array, Numbers
 
+# Header of a point cloud, but for the number of its points.
+PLY_HEADER = b"""\
+ply
+format binary_little_endian 1.0
+comment range in metres, x right, y down
+element vertex %d
+property float x
+property float y
+property float z
+property uchar red
+property uchar green
+property uchar blue
+property float confidence
+end_header
+"""
+
 
 def points_from_depth(depth: ArrayLike, camera: ArrayLike) -> Array:
     """Points (H, W, 3), m, of ranges (H, W) along the rays; x right, y down, z forward.
@@ -60,13 +76,12 @@ def write_ply(
         )
     points = points_from_depth(depth, camera)
     kept = np.isfinite(points).all(axis=-1)
-    columns = dict(zip("xyz", points[kept].T.astype("<f4"), strict=True))
     grey = _grey(np.asarray(brightness, float)[kept])
-    columns |= dict.fromkeys(("red", "green", "blue"), grey)
-    columns["confidence"] = np.asarray(confidence, "<f4")[kept]
-    vertices = np.rec.fromarrays(list(columns.values()), names=list(columns))  # pyright: ignore[reportArgumentType]
+    position = points[kept].T.astype("<f4")
+    probability = np.asarray(confidence, "<f4")[kept]
+    vertices = np.rec.fromarrays([*position, grey, grey, grey, probability])
     with atomic_output(path) as part:
-        part.write_bytes(_ply_header(vertices).encode("ascii") + vertices.tobytes())
+        part.write_bytes(PLY_HEADER % vertices.size + vertices.tobytes())
     return vertices.size
 
 
@@ -75,20 +90,6 @@ def _grey(light: Array) -> NDArray[np.uint8]:
     white = np.percentile(light, 99) if light.size else 1.0
     share = np.clip(light / max(white, 1e-12), 0, 1)
     return (255 * share ** (1 / 2.2)).astype(np.uint8)
-
-
-def _ply_header(vertices: np.recarray) -> str:
-    """Header of a binary PLY file of vertices."""
-    lines = [
-        "ply",
-        "format binary_little_endian 1.0",
-        "comment range in metres, x right, y down",
-        f"element vertex {vertices.size}",
-    ]
-    for name in vertices.dtype.names or ():
-        kind = "uchar" if vertices.dtype[name] == np.uint8 else "float"
-        lines.append(f"property {kind} {name}")
-    return "\n".join([*lines, "end_header", ""])
 
 
 def mesh_triangles(points: ArrayLike, *, longest: float = np.inf) -> Numbers:
