@@ -60,8 +60,8 @@ def conv(i: int, o: int, kernel=3, *, relu=True, dilation=1, **more) -> NormedCo
     # one kernel for each channel
     alone = dilation > 1 and more.get("groups", 1) > 1
     kind = SingleConv2d if alone else nn.Conv2d
-    margin = dilation * (kernel // 2)
-    layer = kind(i, o, kernel, padding=margin, dilation=dilation, bias=False, **more)
+    more.setdefault("padding", dilation * (kernel // 2))
+    layer = kind(i, o, kernel, dilation=dilation, bias=False, **more)
     return NormedConv(
         layer, nn.BatchNorm2d(o), *([nn.ReLU(inplace=True)] if relu else [])
     )

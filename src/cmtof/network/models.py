@@ -12,7 +12,6 @@ from torch.nn import functional
 
 from cmtof.constants import FREQUENCIES
 from cmtof.correlation import TAU
-from cmtof.network import public
 from cmtof.network.features import CLASSES, FEATURE_SETS, channels, padding
 from cmtof.network.layers import (
     Bottleneck,
@@ -25,6 +24,7 @@ from cmtof.network.layers import (
     scale_and_offset,
     separable,
 )
+from cmtof.network.public import PublicPyramid
 
 # Change of the beat `phi_2 - 2 phi_1` from one wrap of the lower frequency to the next, rad.
 BEAT = TAU * (FREQUENCIES[1] / FREQUENCIES[0] - 2)
@@ -91,17 +91,8 @@ class FastSCNN(Network):
     down_widths = 48, 64  # at 1/2 and 1/4
     widths = 64, 64, 64, 96, 96, 96, 128, 128, 128  # of bottlenecks at 1/8
     expansion = 6  # within them
-    dilations = (
-        1,
-        1,
-        1,
-        1,
-        1,
-        1,
-        1,
-        2,
-        4,
-    )  # so that they see farther, as theirs do at 1/32
+    # so that they see farther, as theirs do at 1/32
+    dilations = 1, 1, 1, 1, 1, 1, 1, 2, 4
     pools = 3, 5, 9, 17, 33  # sides of windows at 1/8
     context = 128  # fused features, at 1/4
 
@@ -122,9 +113,11 @@ class FastSCNN(Network):
         self.pyramid = Pyramid(deep, self.pools)
         self.deep = conv(deep, self.context, 1, relu=False)
         self.fine = conv(quarter, self.context, 1, relu=False)
-        fused = [separable(self.context, self.context) for _ in range(2)]
-        narrow = nn.Conv2d(self.context, self.head_width, 1, bias=False)
-        self.classify = nn.Sequential(*fused, narrow)
+        self.classify = nn.Sequential(
+            separable(self.context, self.context),
+            separable(self.context, self.context),
+            nn.Conv2d(self.context, self.head_width, 1, bias=False),
+        )
         self.skip = nn.Conv2d(
             self.stem_width, self.head_width, 3, padding=1, bias=False
         )
@@ -216,7 +209,6 @@ class LightFastSCNN(FastSCNN):
     down_widths = 24, 32
     widths = 48, 48, 64, 64
     expansion = 3
-    dilations = 1, 1, 1, 1
     pools = 3, 5, 9, 17
 
 
@@ -229,9 +221,8 @@ class PublicFastSCNN(Network):
     halved = 0, 3  # bottlenecks of stride 2
 
     def build(self) -> None:
-        enter = nn.Conv2d(self.inputs, 32, 3, 2, bias=False)
         self.down = nn.Sequential(
-            NormedConv(enter, nn.BatchNorm2d(32), nn.ReLU()),
+            conv(self.inputs, 32, stride=2, padding=0),
             separable(32, 48),
             separable(48, 64),
         )
@@ -239,7 +230,7 @@ class PublicFastSCNN(Network):
             Bottleneck(i, o, 2 if k in self.halved else 1)
             for k, (i, o) in enumerate(pairwise(self.widths))
         )
-        self.extract = nn.Sequential(*blocks, public.PublicPyramid(128, (2, 3, 6)))
+        self.extract = nn.Sequential(*blocks, PublicPyramid(128, (2, 3, 6)))
         self.deep = nn.Sequential(
             conv(128, 128, groups=128),
             conv(128, 128, 1, relu=False),
@@ -344,9 +335,10 @@ class Rapid(Network):
     def build(self) -> None:
         self.stem = conv(self.inputs, 32, stride=2)
         pairs = pairwise((32, 48, 80, 112))
-        stages = [nn.Sequential(Residual(i, o, 2), Residual(o, o)) for i, o in pairs]
-        self.fine = stages[0]
-        self.coarse = nn.Sequential(*stages[1:])
+        self.fine, *deeper = (
+            nn.Sequential(Residual(i, o, 2), Residual(o, o)) for i, o in pairs
+        )
+        self.coarse = nn.Sequential(*deeper)
         self.near = conv(112, 80, 1)
         self.far = nn.ModuleList(conv(112, 80, dilation=rate) for rate in (6, 12, 18))
         self.whole = nn.Conv2d(112, 80, 1)  # no norm: one crop has one pixel here
