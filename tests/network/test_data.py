@@ -49,11 +49,11 @@ def test_noise_free_phases_are_those_of_the_depth_and_their_offsets():
 
 def test_offsets_spread_as_told_and_change_nothing_else(config):
     apart = config.model_copy(update={"offset": 0.01})
-    steps = data.Steps(apart, None)
-    offsets = torch.cat([steps[number].offset for number in range(30)]).numpy()
+    steps = [data.batch_at(number, apart, None) for number in range(30)]
+    offsets = torch.cat([one.offset for one in steps]).numpy()
     # five standard errors of a standard deviation
     assert offsets.std() == approx(0.01, rel=5 / np.sqrt(2 * offsets.size))
-    plain = data.Steps(config, None)[0]
+    plain = data.batch_at(0, config, None)
     assert torch.equal(plain.noise, steps[0].noise)
     assert not plain.offset.any()
 
@@ -125,13 +125,12 @@ def test_room_crops_are_staged_and_mostly_in_range(rng):
 
 
 def test_steps_depend_on_their_number_alone_and_share_out(config):
-    steps = data.Steps(config, None)
-    alone = steps[3]
-    shares = [data.Steps(config, None, rank, 2)[3] for rank in (0, 1)]
+    alone = data.batch_at(3, config, None)
+    shares = [data.batch_at(3, config, None, rank, 2) for rank in (0, 1)]
     joined = data.Batch(*map(torch.cat, zip(*shares, strict=True)))
-    for same in (steps[3], joined):
+    for same in (data.batch_at(3, config, None), joined):
         torch.testing.assert_close(same, alone, rtol=0, atol=0, equal_nan=True)
-    assert not torch.equal(alone.noise, steps[4].noise)
+    assert not torch.equal(alone.noise, data.batch_at(4, config, None).noise)
 
 
 def source(name, size=(10, 12), fill=2.0):

@@ -10,7 +10,7 @@ from pathlib import Path
 import torch
 from pytest import fixture, mark
 
-from cmtof.network.data import Steps, open_rooms
+from cmtof.network.data import batch_at, open_rooms
 from cmtof.network.recipe import read_config
 from cmtof.network.training import Unwrapping, loss_of
 
@@ -66,7 +66,7 @@ def test_gradients_of_two_processes_are_those_of_two_halves_in_one(start):
         (
             loss_of(
                 module.network,
-                module.sample_from_batch(Steps(config, None, rank, 2)[0]),
+                module.sample_from_batch(batch_at(0, config, None, rank, 2)),
             )
             / 2
         ).backward()

@@ -14,7 +14,7 @@ import cmtof
 from cmtof.correlation import TAU
 from cmtof.files import exclusive_lock
 from cmtof.network import tuning
-from cmtof.network.data import WRAP, Steps, open_rooms
+from cmtof.network.data import WRAP, batch_at, open_rooms
 from cmtof.network.losses import IGNORED
 from cmtof.network.recipe import PRESETS, read_config
 from cmtof.network.training import Unwrapping, loss_of, train
@@ -116,7 +116,7 @@ def test_device_that_is_not_there_is_refused(tmp_path, config):
 def test_every_model_learns_a_batch_by_heart(config, name):
     """Ten steps on one batch bring its loss down."""
     module = unwrapping(config.model_copy(update={"model": name}))
-    sample = module.sample_from_batch(Steps(module.config, None)[0])
+    sample = module.sample_from_batch(batch_at(0, module.config, None))
     optimizer = torch.optim.Adam(module.network.parameters(), 3e-3)
     losses = []
     for _ in range(10):

@@ -2,7 +2,6 @@
 
 import warnings
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass
 from operator import itemgetter
 from pathlib import Path
 from typing import Any, NamedTuple
@@ -11,7 +10,7 @@ import numpy as np
 import torch
 from numpy.random import Generator, default_rng
 from torch import Tensor
-from torch.utils.data import Dataset, default_collate
+from torch.utils.data import default_collate
 
 from cmtof.constants import FREQUENCIES, GAIN, INTEGRATION_TIME, SPEED_OF_LIGHT
 from cmtof.correlation import TAU, wrap_length
@@ -84,7 +83,7 @@ def _angles(batch: Batch) -> Tensor:
 
 
 def measure(batch: Batch, *, inputs: str, protocol: str) -> Sample:
-    """Inputs of a network, out of `FEATURE_SETS`, and its target wraps.
+    """Inputs of a network, out of `FEATURE_SETS`, channels last, and its target wraps.
 
     Masked are pixels outside the protocol's wraps and those whose beat repeats a nearer one's.
     """
@@ -94,12 +93,12 @@ def measure(batch: Batch, *, inputs: str, protocol: str) -> Sample:
     repeated = unambiguous_range(FREQUENCIES) / WRAP - first
     scored = (turns >= 0) & (turns < min(classes, repeated))  # false for NaN
     label = torch.where(scored, turns.floor().long(), IGNORED)
-    return Sample(
-        features(phase, amplitude, inputs, correlation), label, phase[:, 0], turns
-    )
+    found = features(phase, amplitude, inputs, correlation)
+    last = found.contiguous(memory_format=torch.channels_last)
+    return Sample(last, label, phase[:, 0], turns)
 
 
-def dead_leaves(rng: Generator, side: int, protocol: str = "released") -> Crop:
+def dead_leaves(rng: Generator, side: int, protocol: str) -> Crop:
     """Overlapping slanted plates at random depths: the training data of the first stage.
 
     Depth, brightness and texture are independent, so that only the phases determine a wrap.
@@ -267,33 +266,26 @@ def _draw_window(
     return inside.mean(), depth, light
 
 
-@dataclass(eq=False)
-class Steps(Dataset[Batch]):
-    """Batches by the number of their step, of process ``rank`` out of ``world``.
+def batch_at(
+    step: int, config: Config, pack: Pack | None, rank: int = 0, world: int = 1
+) -> Batch:
+    """Batch of a step, or the part of it that process ``rank`` out of ``world`` has.
 
     Crop k of step s is decided by (seed, s, k) alone, also after a kill or among processes.
     """
-
-    config: Config
-    pack: Pack | None
-    rank: int = 0
-    world: int = 1
-
-    def __getitem__(self, step: int) -> Batch:
-        config = self.config
-        stage, share = config.stage_at(step)
-        low, high = stage.noise
-        sigma = low * (high / low) ** min(share / stage.ramp, 1)
-        crops = []
-        for k in range(self.rank, stage.batch, self.world):
-            rng = default_rng([config.seed, step, k])
-            if self.pack is not None and rng.uniform() < stage.rooms:
-                crop = room_crop(rng, self.pack, stage.crop, config.protocol)
-            else:
-                crop = dead_leaves(rng, stage.crop, config.protocol)
-            noise = sigma * np.exp(rng.uniform(-0.2, 0.1))
-            crops.append((*crop, noise, rng))
-        return batch_of(crops, config.offset)
+    stage, share = config.stage_at(step)
+    low, high = stage.noise
+    sigma = low * (high / low) ** min(share / stage.ramp, 1)
+    crops = []
+    for k in range(rank, stage.batch, world):
+        rng = default_rng([config.seed, step, k])
+        if pack is not None and rng.uniform() < stage.rooms:
+            crop = room_crop(rng, pack, stage.crop, config.protocol)
+        else:
+            crop = dead_leaves(rng, stage.crop, config.protocol)
+        noise = sigma * np.exp(rng.uniform(-0.2, 0.1))
+        crops.append((*crop, noise, rng))
+    return batch_of(crops, config.offset)
 
 
 def batch_of(crops: list[tuple], offset: float = 0.0) -> Batch:

@@ -9,6 +9,7 @@ import zipfile
 from collections.abc import Callable, Iterator, Sequence
 from contextlib import nullcontext
 from copy import deepcopy
+from functools import partial
 from pathlib import Path
 from typing import Any
 
@@ -29,7 +30,7 @@ from cmtof.network.data import (
     Batch,
     Packs,
     Sample,
-    Steps,
+    batch_at,
     batch_of,
     measure,
     open_rooms,
@@ -122,20 +123,22 @@ class Unwrapping(LightningModule):
         self.end = np.inf
 
     def train_dataloader(self) -> DataLoader:
-        steps = Steps(self.config, self.seen, self.global_rank, self.trainer.world_size)
         start = self.current_epoch * self.config.save_every
         block = range(start, min(start + self.config.save_every, self.config.steps))
-        return DataLoader(
-            steps, None, sampler=block, num_workers=8 * torch.cuda.is_available()
+        make = partial(
+            batch_at,
+            config=self.config,
+            pack=self.seen,
+            rank=self.global_rank,
+            world=self.trainer.world_size,
         )
+        workers = 8 * torch.cuda.is_available()
+        return DataLoader(block, None, collate_fn=make, num_workers=workers)  # pyright: ignore[reportArgumentType]
 
     def sample_from_batch(self, batch: Batch) -> Sample:
         """Network inputs and labels of a batch: its crops, measured by simulation."""
-        sample = measure(
+        return measure(
             batch, inputs=self.average.model.features, protocol=self.config.protocol
-        )
-        return sample._replace(
-            inputs=sample.inputs.contiguous(memory_format=torch.channels_last)
         )
 
     def training_step(self, batch: Batch, index: int) -> Tensor:
@@ -185,7 +188,8 @@ class Unwrapping(LightningModule):
         for view in np.unique(places.round()).astype(int):
             crop = pack.staged_window(view, self.config.protocol)
             held = batch_of([(*crop, sigma, np.random.default_rng([7, view]))])
-            sample = self.sample_from_batch(Batch(*(x.to(self.device) for x in held)))
+            here = self.transfer_batch_to_device(held, self.device, 0)
+            sample = self.sample_from_batch(here)
             with torch.inference_mode():
                 found = network(sample.inputs)
             turns = found[:, 0].floor().clamp(0, network.classes - 1)
@@ -223,7 +227,7 @@ def _gain(ours: Sequence[Numbers], others: Sequence[Numbers]) -> tuple[float, ..
     interval = (-1.0, 1.0)
     if len(gains) > 1:
         interval = ttest_1samp(gains, 0.0).confidence_interval()
-    return tuple(float(x) for x in (np.mean(interval), *interval))
+    return float(np.mean(interval)), *interval
 
 
 def _rates(deltas: Sequence[Numbers]) -> weights.Rates:
