@@ -84,6 +84,7 @@ def leg(
         float | None, Option(help="Stop after; --resume goes on.")
     ] = None,
     accelerator: Annotated[str, Option(help="Lightning's: auto, cpu, gpu.")] = "auto",
+    devices: Annotated[str, Option(help="How many, or auto.")] = "auto",
     num_nodes: Annotated[int, Option(min=1, help="Machines.")] = 1,
     strategy: Annotated[str, Option(help="Lightning's: auto, ddp.")] = "auto",
 ) -> None:
@@ -95,7 +96,6 @@ def train(
     config: Annotated[str, Argument(help="A recipe by name, or a YAML file.")],
     output: Annotated[File, Option("--output", "-o", help="Folder of the run.")] = None,
     data: Annotated[File, Option(help="Hypersim's layout. Default: rooms.")] = None,
-    devices: Annotated[str, Option(help="How many, or auto.")] = "auto",
     quiet: Quiet = False,
     *,
     recipe: Options,
@@ -131,7 +131,6 @@ def train(
         folder,
         quiet=quiet or progress_is_hidden(),
         find_tree=find_tree,
-        devices=int(devices) if devices.isdigit() else devices,
         **leg,
     )
     print(written or f"{folder}: stopped before its last step; --resume goes on")
