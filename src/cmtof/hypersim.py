@@ -82,10 +82,15 @@ class Hypersim:
     @cached_property
     def projections(self) -> dict[str, Array]:
         """Projection M_cam_from_uv (3, 3) of each scene, by name; empty without the table."""
-        rows = self._table(
-            CAMERAS, lambda r: (r["scene_name"], [float(r[m]) for m in _MATRIX])
+        return dict(
+            self._table(
+                CAMERAS,
+                lambda r: (
+                    r["scene_name"],
+                    np.reshape([float(r[m]) for m in _MATRIX], (3, 3)),
+                ),
+            )
         )
-        return {scene: np.reshape(matrix, (3, 3)) for scene, matrix in rows}
 
     def frame(self, view: View, *, blank: bool = False) -> Frame:
         """Frame of a view, its intensity linear green; with ``blank`` 1 where no colour file is."""
@@ -97,7 +102,7 @@ class Hypersim:
             )
             notes.append(f"float16 depth in steps of up to {step:.1f} mm")
         color = view.file(self.root, "color")
-        intensity = np.ones(depth.shape, np.float32)
+        intensity = np.ones(depth.shape)
         if blank and not color.is_file():
             notes.append("no colour file: intensity 1 everywhere")
         else:
@@ -191,12 +196,8 @@ def camera_from_projection(projection: ArrayLike, shape: tuple[int, ...]) -> Arr
     QR decomposition of its rays per pixel, R K^-1. ValueError if it is singular or mirrored.
     """
     given = np.asarray(projection, float)
-    rays = given @ [
-        [2 / shape[1], 0, -1],
-        [0, -2 / shape[0], 1],
-        [0, 0, 1],
-    ]
-    rays = np.diag([1.0, -1.0, -1.0]) @ rays
+    rays = np.diag([1.0, -1.0, -1.0]) @ given
+    rays = rays @ [[2 / shape[1], 0, -1], [0, -2 / shape[0], 1], [0, 0, 1]]
     if not np.isfinite(rays).all() or np.linalg.det(rays) <= 0:
         raise ValueError(
             "Expected a projection M_cam_from_uv, invertible and not mirrored, "
@@ -263,19 +264,15 @@ def write_metadata(root: Path, shape: Shape, scenes: Named) -> None:
 
     A scene has a partition, a focal length in px, and views by camera and frame number.
     """
-    tables: dict[str, list[Any]] = {
-        CAMERAS: [("scene_name", *_MATRIX)],
-        SPLIT: [_LISTED],
-    }
+    cameras: list[tuple] = [("scene_name", *_MATRIX)]
+    listed: list[tuple] = [_LISTED]
     for scene, (partition, focal, views) in scenes.items():
         half = np.array(shape) / (2 * focal)
-        tables[CAMERAS].append(
-            (scene, *np.diag([half[1], half[0], -1.0]).ravel().tolist())
-        )
-        tables[SPLIT] += [(scene, *view, partition) for view in views]
-    for name, rows in tables.items():
+        cameras.append((scene, *np.diag([half[1], half[0], -1.0]).ravel().tolist()))
+        listed += [(scene, *view, partition) for view in views]
+    for name, rows in ((CAMERAS, cameras), (SPLIT, listed)):
         with (
-            atomic_output(Path(root) / name) as part,
+            atomic_output(root / name) as part,
             part.open("w", newline="") as file,
         ):
             csv.writer(file, lineterminator="\n").writerows(rows)
