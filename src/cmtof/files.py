@@ -49,13 +49,12 @@ def check_links(file: Any) -> None:
     """Raise a ValueError if an open HDF5 file links to data in another file."""
     from h5py import ExternalLink
 
-    def is_stored_outside(item: Any) -> bool:
-        return bool(getattr(item, "external", None) or getattr(item, "is_virtual", 0))
+    def name_if_outside(name: str, item: Any) -> str | None:
+        external = isinstance(item, ExternalLink) or getattr(item, "external", None)
+        return name if external or getattr(item, "is_virtual", None) else None
 
     # a visit ends at the first item for which it is given a name
-    outside = file.visititems_links(
-        lambda name, link: name if isinstance(link, ExternalLink) else None
-    ) or file.visititems(lambda name, item: name if is_stored_outside(item) else None)
+    outside = file.visititems_links(name_if_outside) or file.visititems(name_if_outside)
     if outside:
         raise ValueError(f"{outside} lies in another file")
 

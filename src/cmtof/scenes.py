@@ -114,10 +114,10 @@ def _tum_sequence(path: Path, options: Fields) -> list[Source]:
         "depth_scale": options.get("depth_scale") or TUM_LEVELS,
         "planar": options.get("camera") is not None,  # depth lies along the axis there
     }
-    times = np.array(list(colours))
+    times = np.array([*colours, np.inf])  # never near, where there is no colour
     found = []
     for time, name in depths.items():
-        nearest = times[np.abs(times - time).argmin()] if times.size else np.inf
+        nearest = times[np.abs(times - time).argmin()]
         if abs(nearest - time) <= TUM_GAP:
             load = partial(
                 frame_from_pair, path / name, path / colours[nearest], **reading

@@ -9,16 +9,18 @@ from contextlib import contextmanager
 from pathlib import Path
 
 # Replacements of characters that the output's encoding lacks.
-PLAIN = {
-    "δ": "d",
-    "σ": "sigma",
-    "≥": ">=",
-    "«": '"',
-    "»": '"',
-    "…": "...",
-    "°": " deg",
-    "−": "-",
-}
+PLAIN = str.maketrans(
+    {
+        "δ": "d",
+        "σ": "sigma",
+        "≥": ">=",
+        "«": '"',
+        "»": '"',
+        "…": "...",
+        "°": " deg",
+        "−": "-",
+    }
+)
 
 # Extra of each module that comes with none of the package's own dependencies.
 EXTRAS = {
@@ -55,8 +57,7 @@ def _replace_unencodable(error: UnicodeError) -> tuple[str, int]:
     """Replacement of characters that cannot be encoded, and the position after them."""
     if not isinstance(error, UnicodeEncodeError):
         raise error
-    missing = error.object[error.start : error.end]
-    plain = "".join(PLAIN.get(character, character) for character in missing)
+    plain = error.object[error.start : error.end].translate(PLAIN)
     return plain.encode("ascii", "backslashreplace").decode(), error.end
 
 

@@ -31,10 +31,8 @@ class Muon(torch.optim.AdamW):
         """Update a kernel by its orthogonalised momentum, and clear its gradient."""
         state = self.state[kernel]
         if not state:
-            state["momentum"] = torch.zeros_like(kernel)
-            state["step"] = torch.tensor(
-                0.0
-            )  # AdamW asks for it when a checkpoint is loaded
+            # AdamW asks for a step when a checkpoint is loaded
+            state.update(momentum=torch.zeros_like(kernel), step=torch.tensor(0.0))
         state["momentum"].lerp_(kernel.grad, 1 - MOMENTUM)
         ahead = kernel.grad.lerp(state["momentum"], MOMENTUM)  # pyright: ignore[reportOptionalMemberAccess]
         direction = orthogonal(ahead.flatten(1)).view_as(kernel)

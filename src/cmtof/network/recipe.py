@@ -115,12 +115,8 @@ class Config(Strict):
 def read_config(source: AnyPath, **changes: Any) -> Config:
     """Configuration of a preset or a YAML file, with the ``changes`` that are not None."""
     path = Path(source)
-    values = PRESETS.get(str(source))
-    if values is None:
-        check_input(
-            path, f"a configuration out of {', '.join(PRESETS)}, or a YAML file"
-        )
-        values = read_document(path)
+    wanted = f"a configuration out of {', '.join(PRESETS)}, or a YAML file"
+    values = PRESETS.get(str(source)) or read_document(check_input(path, wanted))
     replaced = {key: value for key, value in changes.items() if value is not None}
     values = {"name": path.stem} | values | replaced
     return checked_values(Config, values, f"the configuration {source}")
