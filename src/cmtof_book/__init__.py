@@ -1,11 +1,8 @@
 """The book's own tools: figures, published numbers, notes and provenance; no physics."""
 
 from pathlib import Path
-from typing import Any
 
 ROOT = Path(__file__).resolve().parents[2]  # folder of the checkout
-
-Values = dict[str, Any]  # what is stored, shown or set, by its name
 
 # Folder of what is computed once, for chapters to read
 RESULTS = ROOT / "book/results"

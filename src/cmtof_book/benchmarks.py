@@ -21,7 +21,8 @@ from typing import Any
 
 import numpy as np
 
-from cmtof_book import RESULTS, THREADS, Values
+from cmtof.types import Fields
+from cmtof_book import RESULTS, THREADS
 
 STORE = RESULTS / "methods_cost.json"
 SHAPE = (768, 1024)
@@ -69,7 +70,7 @@ def ratios() -> None:
     )
 
 
-def cost(method: str, protocol: str) -> Values:
+def cost(method: str, protocol: str) -> Fields:
     """Seconds and megabytes of unwrapping one large frame; the second of two runs."""
     import cmtof
     from cmtof.evaluation import measure_frame

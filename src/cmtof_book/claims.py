@@ -7,8 +7,8 @@ from pathlib import Path
 from typing import NamedTuple
 
 from cmtof.files import read_document
-from cmtof.types import Texts
-from cmtof_book import Values, pages
+from cmtof.types import Fields, Texts
+from cmtof_book import pages
 from cmtof_book.notes import replaced
 from cmtof_book.paper import estimate_text, quantity_text, result_text
 from cmtof_book.record import Record
@@ -26,7 +26,7 @@ class Claim(NamedTuple):
     """One main claim, what ``claims.yml`` tells about it, and the numbers that decide it."""
 
     name: str
-    about: Values
+    about: Fields
     scores: list[Score]
 
     @property
@@ -81,7 +81,7 @@ def claims(scores: Scores) -> list[Claim]:
     ]
 
 
-def numbers_of(scores: Scores, records: Iterable[Record]) -> Values:
+def numbers_of(scores: Scores, records: Iterable[Record]) -> Fields:
     """All numbers of a build, as the texts of ``claims.yml`` name them."""
     results = defaultdict(lambda: "(not computed)")
     for key, score in scores.items():
@@ -100,7 +100,7 @@ def numbers_of(scores: Scores, records: Iterable[Record]) -> Values:
     return {"p": results, "f": figures}
 
 
-def fill_in(text: str, numbers: Values) -> str:
+def fill_in(text: str, numbers: Fields) -> str:
     """Put numbers into a text of ``claims.yml``; a line never breaks before a unit."""
     return replaced(text.format(**numbers), UNITS)
 

@@ -16,8 +16,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 from pydantic.dataclasses import dataclass
 
-from cmtof.types import Array
-from cmtof_book import Values
+from cmtof.types import Array, Fields
 
 Kind = Literal["closed form", "sum over draws", "share of pixels", "decision"]
 
@@ -44,7 +43,7 @@ class Compared:
     pixels: Any = None
     at_least: Any = None
 
-    def record(self) -> Values:
+    def record(self) -> Fields:
         """Value, kind and what belongs to the kind, for JSON."""
         return {name: part for name, part in vars(self).items() if part is not None}
 

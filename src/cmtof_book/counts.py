@@ -7,7 +7,7 @@ from typing import Any
 import cmtof
 from cmtof.evaluation import Tally, scored_pixels
 from cmtof.measurement import Measurement
-from cmtof_book import Values
+from cmtof.types import Fields
 from cmtof_book.provenance import read_json, write_json
 
 
@@ -35,7 +35,7 @@ class Counts:
         write_json(self.path, self.held)
 
 
-def counts_of(scans: Iterable[Measurement], **options: Any) -> list[Values]:
+def counts_of(scans: Iterable[Measurement], **options: Any) -> list[Fields]:
     """Counts of each measurement, unwrapped with these options."""
     tally = Tally()
     return [

@@ -23,7 +23,7 @@ import nbformat  # noqa: E402
 import papermill  # noqa: E402
 from papermill.exceptions import PapermillExecutionError  # noqa: E402
 
-from cmtof_book import Values  # noqa: E402
+from cmtof.types import Fields  # noqa: E402
 from cmtof_book.pairs import notebook_from_script  # noqa: E402
 
 # the short commit of the checkout, marked where files differ from it, or nothing
@@ -31,7 +31,7 @@ COMMIT = "git describe --always --dirty '--exclude=*' 2>/dev/null"
 LIBRARIES = ("numpy", "scipy", "numba", "scikit-image", "sympy", "xarray", "matplotlib")
 
 
-def execute(script: Path, parameters: Values, result: Path) -> None:
+def execute(script: Path, parameters: Fields, result: Path) -> None:
     """Run a notebook; ``result`` shows how far it came."""
     nbformat.write(notebook_from_script(script), result)
     defaults = {

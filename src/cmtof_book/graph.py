@@ -18,7 +18,8 @@ import yaml
 import cmtof
 from cmtof.captures import data_root
 from cmtof.files import read_document
-from cmtof_book import RESULTS, ROOT, Values
+from cmtof.types import Fields
+from cmtof_book import RESULTS, ROOT
 
 PACKAGES = ("cmtof", "cmtof_rooms", "cmtof_lab", "cmtof_book", "notebooks")
 SOURCE = {".py", ".pyc", ".nbc", ".nbi", ".ipynb"}
@@ -81,7 +82,7 @@ def inputs(module: str) -> list[str]:
     return sorted(map(os.path.relpath, found))
 
 
-def parameters_from_text(text: str) -> Values:
+def parameters_from_text(text: str) -> Fields:
     """Parameters from ``name=value`` pairs, values as in YAML: ``distance=1.0 repeats=6``."""
     pairs = [word.partition("=") for word in shlex.split(text)]
     if wrong := ["".join(pair) for pair in pairs if not all(pair)]:

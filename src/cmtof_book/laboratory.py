@@ -17,7 +17,8 @@ from cmtof.network.inference import read_graph
 from cmtof.network.weights import read_weights, weights_path
 from cmtof.scenes import load_frame
 from cmtof.simulation import simulate
-from cmtof_book import ROOT, Values
+from cmtof.types import Fields
+from cmtof_book import ROOT
 from cmtof_book.provenance import letters
 
 RUNTIME = ROOT / "book/runtime"
@@ -66,7 +67,7 @@ def object_frame(name: str) -> Frame:
     return Frame(seen.range, seen.reflectance * seen.cosine, None, name, "")
 
 
-def packed_scene(frame: Frame) -> Values:
+def packed_scene(frame: Frame) -> Fields:
     """Depth in steps, 16 bit, and light, 8 bit, of the middle of a frame as it is measured."""
     measured = simulate(frame, noise_free=True)
     place = tuple(slice(max(0, n - SIDE) // 2, (n + SIDE) // 2) for n in measured.shape)

@@ -4,8 +4,8 @@ import re
 from collections.abc import Iterable, Sequence
 from inspect import cleandoc
 
-from cmtof.types import Texts
-from cmtof_book import Values, record
+from cmtof.types import Fields, Texts
+from cmtof_book import record
 
 NUMBER = re.compile(r"\W*(\d|inf|nan|$)")
 # How a table sets powers of ten, minus signs and comparisons, and where it breaks no line.
@@ -28,7 +28,7 @@ def answer(text: str, **numbers: float | str) -> None:
     _show(text, "answer", numbers)
 
 
-def _show(text: str, kind: str, numbers: Values) -> None:
+def _show(text: str, kind: str, numbers: Fields) -> None:
     record.add(record.TEXT, numbers)
     record.show({"text/markdown": cleandoc(text).format(**numbers)}, kind)
 

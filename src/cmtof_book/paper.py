@@ -15,7 +15,8 @@ import numpy as np
 import yaml
 from matplotlib.ticker import EngFormatter
 
-from cmtof_book import Values, notes, provenance, record
+from cmtof.types import Fields
+from cmtof_book import notes, provenance, record
 from cmtof_book.compared import Compared
 from cmtof_book.verdict import Dependency, OwnNumber, Published, Score, Value
 
@@ -36,7 +37,7 @@ def published_numbers() -> dict[str, Published]:
     }
 
 
-def _numbers_of(name: str, held: Values, known: Values) -> Iterator[Published]:
+def _numbers_of(name: str, held: Fields, known: Fields) -> Iterator[Published]:
     """Numbers of an entry; a row of a table has some, whose keys end in those of its columns."""
     depends = [Dependency(one, **known[one]) for one in held.get("depends", ())]
     columns = held.get("columns", {"": ""})

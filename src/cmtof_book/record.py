@@ -11,15 +11,15 @@ from collections.abc import Iterator
 from pathlib import Path
 from typing import Any, NamedTuple
 
-from cmtof.types import Named
-from cmtof_book import Values, provenance
+from cmtof.types import Fields, Named
+from cmtof_book import provenance
 
 PAPER = "paper"  # name of the record of what a chapter checked against the paper
 
 TEXT = "text"  # name of the record of what a chapter's text shows
 
 # Numbers that this process has added, by folder and name: in JupyterLab chapters share a folder.
-_HELD: Values = {}
+_HELD: Fields = {}
 
 
 class Record(NamedTuple):
@@ -27,15 +27,15 @@ class Record(NamedTuple):
 
     chapter: str
     name: str
-    content: Values
+    content: Fields
 
     @property
-    def numbers(self) -> Values:
+    def numbers(self) -> Fields:
         """Numbers, plain or as a mapping that says the kind."""
         return self.content["numbers"]
 
 
-def show(content: Values, kind: str, **about: Any) -> None:
+def show(content: Fields, kind: str, **about: Any) -> None:
     """Show an output of a notebook, with what `cmtof_book.stage` needs to place it on the page."""
     from IPython.display import display
 
@@ -56,7 +56,7 @@ def add(name: str, numbers: Named) -> None:
     write(name, read(name))
 
 
-def read(name: str) -> Values:
+def read(name: str) -> Fields:
     """Numbers of a record of this run, {} where there is none."""
     return _HELD.setdefault(f"{provenance.output_folder()}/{name}", {})
 

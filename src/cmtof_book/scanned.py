@@ -25,8 +25,8 @@ from cmtof.frame import Frame
 from cmtof.measurement import Measurement
 from cmtof.network.weights import read_card, weights_path
 from cmtof.simulation import QUADRATURES, RELEASED_WRAPS
-from cmtof.types import Array, Numbers
-from cmtof_book import RESULTS, Values
+from cmtof.types import Array, Fields, Numbers
+from cmtof_book import RESULTS
 from cmtof_book.counts import Counts, counts_of
 from cmtof_book.rendered_stills import labelled, rendered_still
 from cmtof_lab.objects import FIELD_OF_VIEW, OBJECTS, TRAINING, still_life
@@ -92,8 +92,8 @@ TUNED_ROWS = {
     "tuned hybrid": "hybrid",
 }
 # Options of `cmtof.network.tuning.fine_tune`, on scans and on rendered still lifes.
-TUNING: Values = {"steps": 600, "learning_rate": 5e-4, "crop": 192, "batch": 2}
-LEARNING: Values = TUNING | {"steps": 2500}
+TUNING: Fields = {"steps": 600, "learning_rate": 5e-4, "crop": 192, "batch": 2}
+LEARNING: Fields = TUNING | {"steps": 2500}
 
 DEPTH_WEIGHT = 0.005  # weight of the distance in depth, 1/mm, as where the network was trained last
 
@@ -146,7 +146,7 @@ def scan_target(
     return Measurement(data).between(*ENDS)
 
 
-def noise_settings(noise: Noise) -> Values:
+def noise_settings(noise: Noise) -> Fields:
     """Settings of the instrument for a noise by name, or a multiple of the captures'."""
     if isinstance(noise, str):
         return NOISE[noise]
@@ -181,7 +181,7 @@ def four_phases(scan: Measurement) -> Measurement:
     return Measurement.from_arrays(made, psi, scan.frequencies, **_kept_variables(scan))
 
 
-def _kept_variables(scan: Measurement) -> Values:
+def _kept_variables(scan: Measurement) -> Fields:
     """What another measurement of a scan keeps of it."""
     return {
         "depth": scan.depth,

@@ -14,7 +14,8 @@ from itertools import groupby
 from pathlib import Path
 from string import ascii_lowercase
 
-from cmtof_book import Values, pages
+from cmtof.types import Fields
+from cmtof_book import pages
 from cmtof_book.paper import published_numbers
 from cmtof_book.record import PAPER, Record
 from cmtof_book.verdict import RANK, Score
@@ -71,7 +72,7 @@ def counts(scores: Iterable[Score]) -> dict[str, int]:
     return {name: said.count(name) for name in RANK}
 
 
-def accepted_scores(scores: Scores) -> Values:
+def accepted_scores(scores: Scores) -> Fields:
     """Return the scoreboard for ``figures/scoreboard.json``: counts, and each number's verdict."""
     numbers = {
         key: {"paper": score.number.value, "unit": score.number.unit}
@@ -85,7 +86,7 @@ def accepted_scores(scores: Scores) -> Values:
     return {"counts": counts(scores.values()), "numbers": numbers}
 
 
-def sections(scores: Scores) -> Iterator[Values]:
+def sections(scores: Scores) -> Iterator[Fields]:
     """Tables, figures and sections of the paper: title, numbers, and the notes below them."""
     for kind, title in GROUPS.items():
         chosen = [key for key in scores if key.startswith(kind)]

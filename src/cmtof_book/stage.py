@@ -15,12 +15,13 @@ from typing import Any
 import nbformat
 from nbformat.v4 import new_code_cell, new_markdown_cell
 
-from cmtof_book import Values, claims, laboratory, pages, scoreboard
+from cmtof.types import Fields
+from cmtof_book import claims, laboratory, pages, scoreboard
 from cmtof_book.markdown import myst
 from cmtof_book.record import read_all
 
 
-def figure_cell(output: Any, about: Values, stem: str) -> Any:
+def figure_cell(output: Any, about: Fields, stem: str) -> Any:
     """A cell of its own for a saved figure, with the metadata that number it.
 
     The caption has its number in the paper, and a line on how to get at it.

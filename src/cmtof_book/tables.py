@@ -18,7 +18,7 @@ from typing import Annotated, Literal, NamedTuple
 
 import typer
 
-from cmtof_book import RESULTS, THREADS, Values
+from cmtof_book import RESULTS, THREADS
 
 for variable in THREADS:
     os.environ.setdefault(variable, "1")  # before NumPy and torch are loaded
@@ -29,7 +29,7 @@ from cmtof.files import atomic_output  # noqa: E402
 from cmtof.frame import Frame, held_out_frames  # noqa: E402
 from cmtof.methods import METHODS, find_method, names_of  # noqa: E402
 from cmtof.network.weights import read_card, weights_path  # noqa: E402
-from cmtof.types import Pair  # noqa: E402
+from cmtof.types import Fields, Pair  # noqa: E402
 from cmtof_book.provenance import read_json  # noqa: E402
 from cmtof_rooms.held_out import views_of_size  # noqa: E402
 from cmtof_rooms.rendering import shape_from_text  # noqa: E402
@@ -47,7 +47,7 @@ class Row(NamedTuple):
         """Hash of the weights, or ''."""
         return read_card(self.file).sha256 if self.file.is_file() else ""
 
-    def is_counted(self, held: Values) -> bool:
+    def is_counted(self, held: Fields) -> bool:
         """Whether these weights were counted before."""
         counted = any(self.name in frame["methods"] for frame in held["frames"])
         return counted and held["weights"].get(self.name, "") == self.weights
@@ -67,7 +67,7 @@ def rows_of(methods: Sequence[str], protocol: str, runs: Path | None) -> Iterato
         yield Row(one.name, one.name, weights_path(one.network, protocol))
 
 
-def path_of(settings: Values, size: str, runs: Path | None) -> Path:
+def path_of(settings: Fields, size: str, runs: Path | None) -> Path:
     """File of counts."""
     offset = [f"{1e3 * phase:g}" for phase in settings.get("phase_offset", ())]
     table = f"table{1 if runs else 3 if offset else 2}"
@@ -75,7 +75,7 @@ def path_of(settings: Values, size: str, runs: Path | None) -> Path:
     return RESULTS / f"{'_'.join(filter(None, words))}.json"
 
 
-def count(held: Values, row: Row, frames: Iterable[Frame]) -> None:
+def count(held: Fields, row: Row, frames: Iterable[Frame]) -> None:
     """Join the counts of a method over all frames with those of the others."""
     evaluation = Evaluation([row.method], **held["settings"])
     if row.weights:
@@ -89,7 +89,7 @@ def count(held: Values, row: Row, frames: Iterable[Frame]) -> None:
     print(row.name, {key: round(rate, 4) for key, rate in scores.items()}, flush=True)
 
 
-def write(held: Values, path: Path) -> None:
+def write(held: Fields, path: Path) -> None:
     """Store counts, one frame a line, with their hash."""
     held |= {"version": __version__, "sha256": digest(held["frames"])}
     text = json.dumps(held).replace('{"frame": ', '\n{"frame": ')
@@ -109,7 +109,7 @@ def main(
     offset: Pair = (0.0, 0.0),
 ) -> None:
     """Count methods over all test frames and store the counts."""
-    settings: Values = {"protocol": protocol, "noise": noise, "seed": 0}
+    settings: Fields = {"protocol": protocol, "noise": noise, "seed": 0}
     if any(offset):
         settings["phase_offset"] = [phase / 1e3 for phase in offset]
     path = path_of(settings, size, runs)

@@ -15,8 +15,8 @@ from matplotlib.colors import to_hex
 
 from cmtof.files import atomic_output
 from cmtof.pointcloud import mesh_triangles
-from cmtof.types import Array, Pair
-from cmtof_book import Values, live
+from cmtof.types import Array, Fields, Pair
+from cmtof_book import live
 from cmtof_book.provenance import letters, output_folder
 
 
@@ -29,7 +29,7 @@ class Layer(NamedTuple):
     ends: Pair
     meaning: str
 
-    def pack(self, step: int) -> Values:
+    def pack(self, step: int) -> Fields:
         """Every so many points for the page, and the key to their colours."""
         few = np.s_[::step, ::step]
         low, high = self.ends
