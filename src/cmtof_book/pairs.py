@@ -48,29 +48,28 @@ def is_up_to_date(script: Path) -> bool:
 
 
 def take_newer(script: Path) -> None:
-    """Write the script again where the cells of the notebook differ and are younger."""
+    """Write the script again from its notebook where that is younger."""
     notebook = script.with_suffix(".ipynb")
     if notebook.is_file() and notebook.stat().st_mtime > script.stat().st_mtime:
-        old = [cell.source for cell in notebook_from_script(script).cells]
-        if old != [cell.source for cell in nbformat.read(notebook, 4).cells]:
-            jupytext_cli(["--sync", "--quiet", str(notebook)])
+        jupytext_cli(["--sync", "--quiet", str(notebook)])
 
 
 def main(mode: str) -> int:
     """Write, or with ``--check`` only name, each stale pair; give the exit code."""
-    scripts = sorted((ROOT / "notebooks").glob("[0-9][0-9]_*.py"))
-    if mode == "--newer":
-        for script in scripts:
+    code = 0
+    for script in sorted((ROOT / "notebooks").glob("[0-9][0-9]_*.py")):
+        if is_up_to_date(script):
+            continue
+        if mode == "--newer":
             take_newer(script)
-        return 0
-    check = mode == "--check"
-    stale = [script for script in scripts if not is_up_to_date(script)]
-    for script in stale:
-        print(f"{'differs' if check else 'written'}: {script.stem}.ipynb")
-        if not check:
+        elif mode == "--check":
+            print(f"differs: {script.stem}.ipynb")
+            code = 1
+        else:
             with atomic_output(script.with_suffix(".ipynb")) as part:
                 nbformat.write(notebook_from_script(script), part)
-    return int(check and bool(stale))
+            print(f"written: {script.stem}.ipynb")
+    return code
 
 
 if __name__ == "__main__":
