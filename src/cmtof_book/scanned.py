@@ -106,23 +106,10 @@ STRIDES = (1, 2, 4)
 SWEPT = ("bust", "owl")  # scenes of which fewer points and other noise are tried
 
 
-def scan_object(
-    name: str,
-    noise: Noise = "photon",
-    *,
-    size: int = SIZE,
-    seed: int = 0,
-    **rigged: Any,
-) -> Measurement:
+def scan_object(name: str, noise: Noise, **view: Any) -> Measurement:
     """Scan of an object by name, as `scan_target` has it."""
-    return scan_target(
-        scene_from({"kind": "object", "name": name}),
-        noise,
-        size=size,
-        seed=seed,
-        field_of_view=FIELD_OF_VIEW[name],
-        **rigged,
-    )
+    target = scene_from({"kind": "object", "name": name})
+    return scan_target(target, noise, field_of_view=FIELD_OF_VIEW[name], **view)
 
 
 def scan_target(
@@ -362,8 +349,7 @@ def sweep(counts: Counts, rows: Rows) -> None:
 
 def thin_scan(scan: Measurement, stride: int) -> Measurement:
     """Every so many points of a scan: what a scan of fewer points would have measured."""
-    every = slice(None, None, stride)
-    return Measurement(scan.dataset.isel(x=every, y=every).drop_vars("camera"))
+    return Measurement(scan.dataset.thin(x=stride, y=stride).drop_vars("camera"))
 
 
 def main() -> None:
