@@ -27,7 +27,7 @@ from cmtof import __version__  # noqa: E402
 from cmtof.evaluation import Evaluation, digest  # noqa: E402
 from cmtof.files import atomic_output  # noqa: E402
 from cmtof.frame import Frame, held_out_frames  # noqa: E402
-from cmtof.methods import METHODS, find_method, names_of  # noqa: E402
+from cmtof.methods import METHODS, find_method  # noqa: E402
 from cmtof.network.weights import read_card, weights_path  # noqa: E402
 from cmtof.types import Fields, Pair  # noqa: E402
 from cmtof_book.provenance import read_json  # noqa: E402
@@ -62,8 +62,11 @@ def rows_of(methods: Sequence[str], protocol: str, runs: Path | None) -> Iterato
         for file in sorted(runs.glob(f"*/*.{protocol}.safetensors")):
             yield Row(file.parent.name, read_card(file).model, file)
         return
-    references = [name for name, one in METHODS.items() if one.kind == "reference"]
-    for one in map(find_method, methods or [*names_of("all", protocol), *references]):
+    without = ("untrained", "no weights")
+    ready = (
+        name for name, one in METHODS.items() if one.state(protocol) not in without
+    )
+    for one in map(find_method, methods or ready):
         yield Row(one.name, one.name, weights_path(one.network, protocol))
 
 
@@ -82,9 +85,9 @@ def count(held: Fields, row: Row, frames: Iterable[Frame]) -> None:
         held["weights"][row.name] = row.weights
         evaluation.options = {"weights": row.file}
     counts = evaluation.add_all(frames).counts()
-    held["frames"] = held["frames"] or [one | {"methods": {}} for one in counts]
+    held["frames"] = held["frames"] or counts
     for old, new in zip(held["frames"], counts, strict=True):
-        old["methods"][row.name] = new["methods"][row.method]
+        old["methods"][row.name] = new["methods"].pop(row.method)
     scores = evaluation.report()["methods"][row.method]
     print(row.name, {key: round(rate, 4) for key, rate in scores.items()}, flush=True)
 
