@@ -60,8 +60,7 @@ def page(
         picture=picture(scores),
         sections=sections(scores),
         coverage=coverage(records, notebooks),
-        worst_first=sorted(RANK, key=RANK.__getitem__),
-        tied=lambda text: re.sub(r" ([<≥]) (?=\d)", "\u00a0\\1\u00a0", text),
+        rank=RANK,
         breakable=lambda key: re.sub(r"(\.|_(?!\d))", r"\1<wbr>", key),
     )
 
