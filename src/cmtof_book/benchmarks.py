@@ -24,7 +24,6 @@ import numpy as np
 from cmtof.types import Fields
 from cmtof_book import RESULTS, THREADS
 
-STORE = RESULTS / "methods_cost.json"
 SHAPE = (768, 1024)
 
 
@@ -72,15 +71,15 @@ def ratios() -> None:
 
 def cost(method: str, protocol: str) -> Fields:
     """Seconds and megabytes of unwrapping one large frame; the second of two runs."""
-    import cmtof
+    from cmtof import unwrap
     from cmtof.evaluation import measure_frame
 
     measurement = measure_frame(large_frame(), [method], protocol=protocol)[method]
-    cmtof.unwrap(measurement, method=method)
+    unwrap(measurement, method=method)
     Path("/proc/self/clear_refs").write_text("5", "utf-8")  # forget the peak so far
     before = _memory("VmRSS")
     start = process_time()
-    cmtof.unwrap(measurement, method=method)
+    unwrap(measurement, method=method)
     return {
         "seconds": round(process_time() - start, 3),
         "megabytes": round(_memory("VmHWM") - before, 1),
@@ -111,7 +110,7 @@ def store() -> None:
         "version": __version__,
         "machine": f"one thread of {processor()}",
     }
-    write_json(STORE, about | {"methods": found})
+    write_json(RESULTS / "methods_cost.json", about | {"methods": found})
 
 
 if __name__ == "__main__":

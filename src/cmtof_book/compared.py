@@ -52,7 +52,7 @@ class Compared:
         if self.kind == "closed form":
             return ROUNDING * np.abs(self.value)
         noise = STANDARD_ERRORS * np.hypot(self.error or 0.0, error)
-        return np.maximum(noise, EDGE_PIXELS / np.asarray(self.pixels or np.inf))
+        return np.maximum(noise, np.divide(EDGE_PIXELS, self.pixels or np.inf))
 
     def accepts(self, value: ArrayLike, error: ArrayLike = 0.0) -> bool:
         """Whether a number found now agrees with this stored one; NaN never does."""

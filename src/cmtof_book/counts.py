@@ -4,7 +4,7 @@ from collections.abc import Callable, Iterable
 from pathlib import Path
 from typing import Any
 
-import cmtof
+from cmtof import unwrap
 from cmtof.evaluation import Tally, scored_pixels
 from cmtof.measurement import Measurement
 from cmtof.types import Fields
@@ -20,14 +20,15 @@ class Counts:
 
     def keep(self, *keys: str, of: Callable[[], Any]) -> Any:
         """What is held below some keys; what is not yet held is computed and stored."""
+        *above, last = keys
         place = self.held
-        for key in keys[:-1]:
+        for key in above:
             place = place.setdefault(key, {})
-        if keys[-1] not in place:
-            place[keys[-1]] = of()
-            print(*keys, place[keys[-1]], flush=True)
+        if last not in place:
+            place[last] = of()
+            print(*keys, place[last], flush=True)
             self.store()
-        return place[keys[-1]]
+        return place[last]
 
     def store(self, **about: Any) -> None:
         """Write everything."""
@@ -38,6 +39,4 @@ class Counts:
 def counts_of(scans: Iterable[Measurement], **options: Any) -> list[Fields]:
     """Counts of each measurement, unwrapped with these options."""
     tally = Tally()
-    return [
-        tally.add(scored_pixels(cmtof.unwrap(scan, **options), scan)) for scan in scans
-    ]
+    return [tally.add(scored_pixels(unwrap(scan, **options), scan)) for scan in scans]

@@ -15,7 +15,6 @@ from cmtof_book.provenance import read_json, write_json
 from cmtof_book.record import PAPER, TEXT, read_all
 from cmtof_book.scoreboard import accepted_scores, scores_in
 
-SCOREBOARD = "scoreboard.json"
 SUFFIXES = {".svg", ".png", ".json"}
 
 
@@ -27,13 +26,15 @@ def main(results: Path, figures: Path) -> None:
         if file.suffix in SUFFIXES and file.stem not in (PAPER, TEXT)
     }
     for file in figures.iterdir():
-        if file.suffix in SUFFIXES and file.name not in (*drawn, SCOREBOARD):
+        if file.suffix in SUFFIXES and file.name not in drawn:
             file.unlink()
     for name, file in sorted(drawn.items()):
         if (source_of(figures / name), source_of(file)) != ("measured", "simulated"):
             shutil.copyfile(file, figures / name)
             print(name)
-    write_json(figures / SCOREBOARD, accepted_scores(scores_in(read_all(results))))
+    write_json(
+        figures / "scoreboard.json", accepted_scores(scores_in(read_all(results)))
+    )
 
 
 def source_of(figure: Path) -> str | None:

@@ -15,7 +15,7 @@ from pathlib import Path
 import grimp
 import yaml
 
-import cmtof
+from cmtof import WHERE
 from cmtof.captures import data_root
 from cmtof.files import read_document
 from cmtof.types import Fields
@@ -35,8 +35,8 @@ def imports() -> grimp.ImportGraph:
         graph.remove_import(importer="cmtof", imported=module)
     for module in graph.find_modules_that_directly_import("cmtof"):
         words = re.findall(r"\w+", path_of(module).read_text("utf-8"))
-        for name in cmtof.WHERE.keys() & words:
-            graph.add_import(importer=module, imported=cmtof.WHERE[name])
+        for name in WHERE.keys() & words:
+            graph.add_import(importer=module, imported=WHERE[name])
     return graph
 
 

@@ -18,8 +18,6 @@ from cmtof.network.features import CLASSES
 from cmtof.network.models import MODELS, Network, build_network
 from cmtof.network.weights import FOLDER
 
-OPSET = 17
-
 
 def graph_of(network: Network) -> bytes:
     """ONNX graph of a network's body, whose weights are named and left out.
@@ -44,7 +42,7 @@ def graph_of(network: Network) -> bytes:
             (torch.zeros(1, network.inputs, 64, 64),),
             written,  # pyright: ignore[reportArgumentType]
             dynamo=False,
-            opset_version=OPSET,
+            opset_version=17,
             do_constant_folding=False,
             training=torch.onnx.TrainingMode.PRESERVE,  # or names of weights would be lost
             input_names=[kind],

@@ -45,14 +45,16 @@ def _numbers_of(name: str, held: Fields, known: Fields) -> Iterator[Published]:
     for (column, title), value in zip(columns.items(), values, strict=True):
         scale = {"absolute": 1.0, "relative": abs(value)}
         allowed = [scale[kind] * size for kind, size in held["tolerance"].items()]
-        own = {
-            "key": f"{name}.{column}".rstrip("."),
-            "value": value,
-            "what": f"{held['what']}, {title}".rstrip(", "),
-            "tolerance": min(allowed),
-            "depends": depends,
-        }
-        yield Published(**held | own)
+        yield Published(
+            **held
+            | {
+                "key": f"{name}.{column}".rstrip("."),
+                "value": value,
+                "what": f"{held['what']}, {title}".rstrip(", "),
+                "tolerance": min(allowed),
+                "depends": depends,
+            }
+        )
 
 
 def published_number(key: str) -> Published:
@@ -77,8 +79,8 @@ def check(
     score = Score.of(
         published_number(key), given, profile=provenance.RUN["profile"], crops=crops
     )
-    found = {"cases": score.cases, "verdict": score.verdict, "crops": crops}
-    record.add(record.PAPER, {key: kind | found})
+    found = {**kind, "cases": score.cases, "verdict": score.verdict, "crops": crops}
+    record.add(record.PAPER, {key: found})
 
 
 def check_all(reached: Mapping[str, Value]) -> None:

@@ -22,7 +22,7 @@ RUN: dict[str, str | int] = {"profile": "book", "seed": 0, "version": __version_
 
 def output_folder() -> Path:
     """Folder of ``CMTOF_OUTPUT`` for figures and checks, or build/figures, made if need be."""
-    folder = Path(os.environ.get(OUTPUT_VARIABLE) or Path("build", "figures"))
+    folder = Path(os.environ.get(OUTPUT_VARIABLE) or "build/figures")
     folder.mkdir(parents=True, exist_ok=True)
     return folder
 

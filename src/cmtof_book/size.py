@@ -116,14 +116,14 @@ def main() -> int:
     allowed = read_json(ROOT / "configs/size.json")
     failed = False
     for place, what, value in sizes():
-        budget = VOLUME[place] if what == "volume" else LIMITS[what]
+        budget = LIMITS.get(what) or VOLUME[place]
         named = f"{place} {what}"
         exceeds = value > max(budget, allowed.get(named, 0))
         failed |= exceeds
         if value > budget or place in (*VOLUME, "book pages"):
             note = "OVER" if exceeds else "to do" * (value > budget)
             print(f"{named:32} {value:9,g} of {budget:7,g}  {note}".rstrip())
-    return int(failed)
+    return failed
 
 
 if __name__ == "__main__":
