@@ -48,10 +48,12 @@ def is_up_to_date(script: Path) -> bool:
 
 
 def take_newer(script: Path) -> None:
-    """Write the script again from its notebook where that is younger."""
+    """Write the script again where the cells of the notebook differ and are younger."""
     notebook = script.with_suffix(".ipynb")
     if notebook.is_file() and notebook.stat().st_mtime > script.stat().st_mtime:
-        jupytext_cli(["--sync", "--quiet", str(notebook)])
+        old = [cell.source for cell in notebook_from_script(script).cells]
+        if old != [cell.source for cell in nbformat.read(notebook, 4).cells]:
+            jupytext_cli(["--sync", "--quiet", str(notebook)])
 
 
 def main(mode: str) -> int:
