@@ -295,8 +295,9 @@ def trained_leg(
         model = trained.network.model
         trained.network.model = model._replace(depth_weight=DEPTH_WEIGHT)
         torch.set_num_threads(1)
+        half = torch.cpu.get_capabilities().get("avx512_bf16", False)
         # without a cache, which would keep the first step's weights for the whole block
-        with torch.autocast("cpu", torch.bfloat16, cache_enabled=False):
+        with torch.autocast("cpu", torch.bfloat16, half, cache_enabled=False):
             tuned, losses = fine_tune(trained, learnt, seed=seed, **options)
         path.parent.mkdir(exist_ok=True)
         save_weights(path, tuned.network, tuned.card)

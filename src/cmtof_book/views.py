@@ -29,15 +29,19 @@ class Layer(NamedTuple):
     ends: Pair
     meaning: str
 
+    def colours(self, step: int = 1) -> Array:
+        """Colours (h, w, 3) of every so many points."""
+        low, high = self.ends
+        share = (self.values[::step, ::step] - low) / (high - low)
+        return plt.get_cmap(self.scale)(share)[..., :3]
+
     def pack(self, step: int) -> Fields:
         """Every so many points for the page, and the key to their colours."""
-        few = np.s_[::step, ::step]
-        low, high = self.ends
+        colours = self.colours(step)
         scale = plt.get_cmap(self.scale)
-        colours = scale((self.values[few] - low) / (high - low))[..., :3]
         return {
             "shape": colours.shape[:2],
-            "points": letters(self.points[few].astype("<f4")),
+            "points": letters(self.points[::step, ::step].astype("<f4")),
             "colours": letters(np.rint(255 * colours).astype(np.uint8)),
             "meaning": self.meaning,
             "ends": [f"{end:.3g}" for end in self.ends],

@@ -36,6 +36,7 @@ def test_a_script_holds_points_and_colours(tmp_path, monkeypatch):
     levels = np.frombuffer(b64decode(held["colours"]), np.uint8).reshape(points.shape)
     expected = plt.get_cmap("viridis")((BOWL[::2, ::2] - 0.8) / 0.4)[..., :3]
     assert_allclose(levels, 255 * expected, atol=0.51)
+    assert_allclose(LAYERS["truth"].colours()[::2, ::2], expected)
     assert (held["ends"], held["scale"][:7]) == (["0.8", "1.2"], "#440154")
 
 

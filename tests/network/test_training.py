@@ -105,11 +105,19 @@ def test_rooms_that_nothing_finds_are_refused():
         open_rooms(read_config("cpu"))
 
 
-def test_device_that_is_not_there_is_refused(tmp_path, config):
+@mark.parametrize(
+    "wrong", [{"accelerator": "gpu"}, {"accelerator": "x"}, {"devices": "x"}]
+)
+def test_device_that_is_not_there_is_refused(tmp_path, config, wrong):
     if torch.cuda.is_available():
         skip("there is a GPU")
-    with refused("Expected accelerator, devices and strategy"):
-        train(config, tmp_path, quiet=True, accelerator="gpu")
+    with refused("Expected accelerator, devices, strategy and precision"):
+        train(config, tmp_path, quiet=True, **wrong)
+
+
+def test_precision_that_is_not_there_is_refused(tmp_path, config):
+    with refused("Expected accelerator, devices, strategy and precision"):
+        train(config.model_copy(update={"precision": "x"}), tmp_path, quiet=True)
 
 
 @mark.parametrize("name", ["fast-scnn", "deep-tof", "rapid"])

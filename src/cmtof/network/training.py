@@ -328,9 +328,9 @@ def _trainer(config: Config, **flags: Any) -> Trainer:
             enable_model_summary=False,
             **flags,
         )
-    except (MisconfigurationException, TypeError) as error:
+    except (MisconfigurationException, TypeError, ValueError) as error:
         raise ValueError(
-            "Expected accelerator, devices and strategy that this machine has, "
+            "Expected accelerator, devices, strategy and precision that this machine has, "
             f"got «{error}». Choose others."
         ) from error
 
