@@ -122,6 +122,16 @@ def test_a_frame_that_fails_takes_no_other_with_it(fails):
     assert "Expected depths between" in report["notes"]["skipped far"]
 
 
+def test_a_broken_file_takes_no_other_with_it(run, measured):
+    measured.save("whole.nc")
+    Path("broken.nc").write_bytes(b"no measurement")
+    code, out, err = run("unwrap broken.nc whole.nc -o found --method crt")
+    assert code == 1
+    assert "whole.nc" in out
+    assert err.startswith("cmtof: left out broken.nc. Expected a whole netCDF4 file")
+    assert [one.name for one in Path("found").iterdir()] == ["whole.nc"]
+
+
 # --- bad input: one line, exit code 1, nothing left behind -----------------------------------
 
 

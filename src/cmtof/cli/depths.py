@@ -86,11 +86,13 @@ def unwrap(
     for target in targets:
         check_output(target, ".nc")
     with progress(len(targets), quiet or whole_file) as advance:
-        rows = [
-            _unwrap_one(path, target, ply, options, advance)
-            for path, target in zip(measurement, targets, strict=True)
-        ]
-    print_table(f"method {options['method']}, into {output}", rows)
+        rows = _unwrap_each(
+            dict(zip(measurement, targets, strict=True)), ply, options, advance
+        )
+    if rows:
+        print_table(f"method {options['method']}, into {output}", rows)
+    if len(rows) < len(targets):
+        sys.exit(1)
 
 
 def _check_distinct(paths: list[Path]) -> None:
@@ -102,6 +104,22 @@ def _check_distinct(paths: list[Path]) -> None:
             f"Expected different files as inputs and outputs, got {Path(file).name} twice. "
             "Name another."
         )
+
+
+def _unwrap_each(
+    files: dict[Path, Path], ply: File, how: Options, advance: Callable[..., None]
+) -> list["Texts"]:
+    """Rows of the table; one of several files that fails is noted, and the others go on."""
+    rows = []
+    for path, target in files.items():
+        try:
+            rows.append(_unwrap_one(path, target, ply, how, advance))
+        except ValueError as error:
+            if len(files) == 1:
+                raise
+            line = f"cmtof: left out {path.name}. {error_line(error)}"
+            print(escape_controls(line), file=sys.stderr)
+    return rows
 
 
 def _unwrap_one(
