@@ -144,7 +144,7 @@ def test_pixels_take_the_likeliest_surface():
     field, surfaces = meeting_planes()
     owner = np.zeros(CELLS, np.int64)
     owner[:, 10:] = 1
-    label, share = placing.pixel_labels(field, owner, surfaces)
+    label, share, inner = placing.pixel_labels(field, owner, surfaces)
     assert np.mean(label == SIDES) > 0.97
     assert share.max() == approx(1, abs=0.05)
-    assert (placing.interiors(label, share)[:, 78:84] == -1).all()
+    assert (inner[:, 78:84] == -1).all()

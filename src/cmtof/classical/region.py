@@ -58,10 +58,9 @@ def spatial(measurement: Measurement) -> Estimate:
     mid-range, and the confidence is that of a guess. Jumps of more than half a wrap are lost.
     """
     frequency = measurement.frequencies[0]
-    low, high = measurement.range
     relative = relative_phase(measurement)
-    middle = np.median(relative[measurement.mask])
-    offset = np.rint((phase_from_depth((low + high) / 2, frequency) - middle) / TAU)
+    middle = phase_from_depth(sum(measurement.range) / 2, frequency)
+    offset = np.rint((middle - np.median(relative[measurement.mask])) / TAU)
     depth = within_range(
         depth_from_phase(relative + TAU * offset, frequency), measurement
     )
@@ -112,7 +111,7 @@ def _offset_odds(
     rest = sums * np.exp(-1j * _beat_phase(offset, frequencies)[region_of])
     middle = median(np.angle(rest), region_of, np.arange(offset.size))
     spread = SPREADS * np.hypot(spread, middle)
-    return wrap_probability(0, spread, frequencies=tuple(frequencies))
+    return wrap_probability(0, spread, frequencies=frequencies)
 
 
 def _links(phase: Array, bright: Array, inside: Flags) -> list[Flags]:
@@ -134,9 +133,7 @@ def relative_phase(measurement: Measurement) -> Array:
     if 1 in mask.shape:  # scikit-image unwraps no lines
         phase[mask] = np.unwrap(phase[mask])
         return phase
-    return np.asarray(
-        np.ma.filled(unwrap_phase(np.ma.masked_array(phase, ~mask), rng=0), 0.0)
-    )
+    return np.ma.filled(unwrap_phase(np.ma.masked_array(phase, ~mask), rng=0), 0.0)
 
 
 def components(down: Flags, across: Flags) -> Numbers:
@@ -145,10 +142,13 @@ def components(down: Flags, across: Flags) -> Numbers:
     index = np.arange(shape[0] * shape[1]).reshape(shape)
     rows = np.concatenate([index[:-1][down], index[:, :-1][across]])
     columns = np.concatenate([index[1:][down], index[:, 1:][across]])
-    graph = coo_array(
-        (np.ones(rows.size, bool), (rows, columns)), shape=(index.size, index.size)
-    )
-    return connected_components(graph, directed=False)[1].reshape(shape).astype(np.intp)
+    return groups(rows, columns, index.size).reshape(shape).astype(np.intp)
+
+
+def groups(first: Numbers, second: Numbers, count: int) -> Numbers:
+    """Number of the group (count,) of each of so many nodes, from links (L,) between two."""
+    links = coo_array((np.ones(first.size, bool), (first, second)), (count, count))
+    return connected_components(links, directed=False)[1]
 
 
 def patches(phasors: Complex, number: Numbers) -> tuple[Complex, Numbers]:

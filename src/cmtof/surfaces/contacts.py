@@ -14,10 +14,9 @@ from collections.abc import Callable
 from typing import NamedTuple
 
 import numpy as np
-from scipy.sparse import coo_array
-from scipy.sparse.csgraph import connected_components
 from scipy.special import expit, softmax
 
+from cmtof.classical.region import groups
 from cmtof.correlation import TAU
 from cmtof.estimate import Components
 from cmtof.surfaces.field import Field
@@ -56,15 +55,9 @@ class Borders(NamedTuple):
 class Placement(NamedTuple):
     """Offsets of surfaces by themselves and by their contacts, one entry (N,) each."""
 
-    wraps: Array  # whole, to add
+    wraps: Numbers  # to add
     group: Numbers  # of those whose contacts hold
     share: Array  # probability (N, M) of each to lie (1 - M) / 2 to (M - 1) / 2 wraps beyond
-
-    @property
-    def moves(self) -> Numbers:
-        """Wraps (M,) of the probabilities."""
-        count = self.share.shape[1]
-        return np.arange(count) - count // 2
 
     @property
     def odds(self) -> Array:
@@ -73,17 +66,8 @@ class Placement(NamedTuple):
 
     def calibrate(self, calibration: tuple) -> "Placement":
         """Probabilities as often right as those of these wraps were, (odds, share right)."""
-        right = np.interp(self.odds, *calibration)
-        factor = right / self.odds
+        factor = np.interp(self.odds, *calibration) / self.odds
         return self._replace(share=self.share * factor[:, None])
-
-    def at_likeliest_moves(self, share: Array) -> "Placement":
-        """Surfaces at their likeliest moves from these wraps, by probabilities (N, M) of them."""
-        most = share.shape[1] // 2
-        best = share.argmax(axis=1)
-        moves = np.arange(-2 * most, 2 * most + 1)
-        share = _values_at(share, best[:, None] + moves)
-        return Placement(self.wraps + best - most, self.group, share)
 
 
 def borders(field: Field, label: Numbers, surfaces: Array) -> Borders:
@@ -93,14 +77,13 @@ def borders(field: Field, label: Numbers, surfaces: Array) -> Borders:
     """
     pairs, at = _crossings(label)
     jumps = _jumps(field, label, surfaces, pairs, at)
-    order = np.lexsort(pairs[::-1])
-    changes = np.diff(pairs[:, order]).any(axis=0)
-    starts = np.flatnonzero(changes) + 1
-    rows = []
-    for part in np.split(order, starts):
-        if part.size >= _LEAST:
-            pair = pairs[:, part[0]]
-            rows.append((*pair, *_evidence(*jumps[:, part])))
+    found, of, length = np.unique(
+        pairs, axis=1, return_inverse=True, return_counts=True
+    )
+    rows = [
+        (*found[:, n], *_evidence(*jumps[:, of == n]))
+        for n in np.flatnonzero(length >= _LEAST)
+    ]
     table = np.array(rows, float).reshape(-1, 7)
     whole = table[:, :3].astype(int)
     odds = _odds_of_meeting(table[:, 3:].T)
@@ -189,10 +172,11 @@ def offsets_with_contacts(
     place = np.arange(_OFFSETS.size) - step
     belief = _propagate(alone, source, target, place, np.tile(borders.odds, 2))
     share = softmax(belief, axis=1)
-    alike = Placement(
-        base[:, 0].astype(float), np.zeros(0, int), share
-    ).at_likeliest_moves(share)
-    return alike._replace(group=groups_of_surfaces(alike.wraps, borders))
+    best = share.argmax(axis=1)
+    wraps = base[:, 0] + _OFFSETS[best]
+    count = _OFFSETS.size
+    share = _values_at(share, best[:, None] + np.arange(1 - count, count))
+    return Placement(wraps, groups_of_surfaces(wraps, borders), share)
 
 
 def _own_odds(found: Offsets, limits: Array, repeat: float) -> tuple[Numbers, Array]:
@@ -254,23 +238,20 @@ def _propagate(
     return belief
 
 
-def groups_of_surfaces(wraps: Array, borders: Borders) -> Numbers:
+def groups_of_surfaces(wraps: Numbers, borders: Borders) -> Numbers:
     """Group (N,) of surfaces joined by borders that hold."""
     first, second, step, _ = borders
     holds = wraps[first] + step == wraps[second]
-    links = (first[holds], second[holds])
-    values = np.ones(holds.sum(), bool)
-    graph = coo_array((values, links), (wraps.size, wraps.size))
-    return connected_components(graph, directed=False)[1]
+    return groups(first[holds], second[holds], wraps.size)
 
 
-def components(placement: Placement, borders: Borders, label: Numbers) -> Components:
+def components(placement: Placement, label: Numbers) -> Components:
     """Components of surfaces that meet, of pixels labelled (H, W) by surface, -1 for none."""
-    group = groups_of_surfaces(placement.wraps, borders)
+    group = placement.group
     count = group.size
     pixels = np.bincount(label[label >= 0], minlength=count)
-    near = np.abs(placement.moves) <= _FAR
-    share = pixels[:, None] * placement.share[:, near]
+    middle = placement.share.shape[1] // 2
+    share = pixels[:, None] * placement.share[:, middle - _FAR : middle + _FAR + 1]
     odds = np.zeros((count, 2 * _FAR + 1))
     np.add.at(odds, group, share)
     size = np.bincount(group, pixels, count)

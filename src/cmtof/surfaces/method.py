@@ -150,7 +150,7 @@ def stages(
         joined,
         depth,
         _confidence(field, np.append(joined.odds, 1)[everywhere], grown, votes),
-        contacts.components(joined, touching, masked),
+        contacts.components(joined, masked),
     )
 
 
@@ -171,14 +171,12 @@ def _grow_and_cut(field: Field, without: Collection[str], known: bool) -> GrownS
     gain = np.inf if "bent" in without else GAIN
     # without a camera what a shape lacks would look like roughness
     owner, surfaces = grown_surfaces(field, gain=gain, roughest=ROUGHEST * known)
-    label, share = placing.pixel_labels(field, owner, surfaces)
-    inner = placing.interiors(label, share)
+    label, share, inner = placing.pixel_labels(field, owner, surfaces)
     if "parts" not in without:
         parts, cut = placing.cut_surfaces(field, inner, surfaces)
         if len(cut) > len(surfaces):
             owner, surfaces = _fit_again(field, owner, parts, cut, gain)
-            label, share = placing.pixel_labels(field, owner, surfaces)
-            inner = placing.interiors(label, share)
+            label, share, inner = placing.pixel_labels(field, owner, surfaces)
     surfaces, fit = fit_surfaces(field, inner, surfaces, (_STEPS, _CELLS), gain)
     off = label < 0
     distance = np.where(off.all(), np.inf, distance_transform_edt(off))  # pyright: ignore[reportArgumentType, reportCallIssue]

@@ -59,12 +59,15 @@ class Offsets(NamedTuple):
 
 def pixel_labels(
     field: Field, owner: Numbers, surfaces: Array
-) -> tuple[Numbers, Array]:
-    """Likeliest surface (H, W), -1 for none, of a square about each pixel, and its share S / E."""
+) -> tuple[Numbers, Array, Numbers]:
+    """Likeliest surface (H, W), -1 for none, of a square about each pixel, and its share S / E.
+
+    And the `interiors` of the surfaces.
+    """
     side = 2 * RADIUS + 1
     shape = field.cosine.shape
     label = np.full(shape, -1, np.int32)
-    best = np.full(shape, -np.inf)
+    best = np.zeros(shape)
     _label(field, owner, surfaces, label, best)
     expected = np.zeros(shape)
     rough = surfaces[:, 6:].sum(axis=1)
@@ -73,9 +76,9 @@ def pixel_labels(
         left = np.append(np.exp(-loss * rough), 1.0)
         mean = uniform_filter(image.astype(float), side, mode="constant")
         expected += side**2 * mean * left[label]
-    share = best / np.maximum(expected, 1e-9)
-    share = np.where(label < 0, 0, share).astype(np.float32)
-    return np.where(share > EXPLAINED, label, -1), share
+    share = (best / np.maximum(expected, 1e-9)).astype(np.float32)
+    label = np.where(share > EXPLAINED, label, -1)
+    return label, share, interiors(label, share)
 
 
 def interiors(label: Numbers, share: Array) -> Numbers:
@@ -209,18 +212,16 @@ def use_axes(found: Offsets, surfaces: Array, fit: Array, label: Numbers) -> Off
     width = np.sqrt(trace + variance * np.sum(planes.turn**2, axis=1) + _PLUMB**2)
     size = np.bincount(label[label >= 0], minlength=width.size)
     clear = planes.known & (width < _CLEAR)
-    for axis in _axes(now, width, np.where(clear, size, -1)):
+    for axis in _axes(now, width, clear, size * clear):
         mean, variance = _use_right_angles(planes, mean, variance, axis)
     return found._replace(mean=mean, spread=np.sqrt(variance))
 
 
-def _axes(normal: Array, width: Array, size: Numbers) -> list[Array]:
-    """Axes of a room from normals, their deviations, rad, and sizes, px, -1 of those not clear.
+def _axes(normal: Array, width: Array, clear: Flags, size: Numbers) -> list[Array]:
+    """Axes of a room from normals, their deviations, rad, whether these are clear, and sizes, px.
 
     The first is the normal to which most are parallel or upright, the second upright to it.
     """
-    clear = size >= 0
-    size = np.maximum(size, 0)
     cosine = np.abs(normal @ normal.T)
     apart = 3 * np.hypot(width, width[:, None])
     square = cosine < apart
