@@ -68,7 +68,7 @@ def field_from_measurement(measurement: Measurement) -> Field:
     """Weighted phasors of a measurement; masked pixels count, for they were measured as well."""
     height, width = measurement.shape
     rows, columns = (
-        max(-(-size // CELL) * CELL, _SMALLEST) for size in (height, width)
+        max(-(-size // CELL) * CELL, _SMALLEST) for size in measurement.shape
     )
     padding = ((0, 0), (0, rows - height), (0, columns - width))
     focal = _FOCAL_LENGTH * max(height, width)

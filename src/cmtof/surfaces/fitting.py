@@ -50,8 +50,10 @@ def _moments(field, region, q):  # pragma: no cover - compiled
     k = field.wavenumber
     turns = field.turns
     error = total.imag
-    g = _weighted_sum(change, error[0] * k[0] + error[1] * k[1])
-    h = _weighted_sum(change, known[0] * turns[0] * k[0] + known[1] * turns[1] * k[1])
+    pull = error[0] * k[0] + error[1] * k[1]
+    wrap = known[0] * turns[0] * k[0] + known[1] * turns[1] * k[1]
+    g = (pull * change).sum(axis=1)
+    h = (wrap * change).sum(axis=1)
     bend = known[0] * k[0] ** 2 + known[1] * k[1] ** 2
     sums = _sums_of_offset(total, known, turns)
     return sums, g, h, _products(bend * change, change)
@@ -68,16 +70,6 @@ def _sums_of_offset(total, known, turns):  # pragma: no cover - compiled
             sums[2] += total[f, n].imag * turns[f]
             sums[3] += known[f, n] * turns[f] * turns[f]
     return sums
-
-
-@njit()
-def _weighted_sum(vectors, weight):  # pragma: no cover - compiled
-    """Sum (6,) of vectors (6, N), each times its weight (N,)."""
-    out = np.zeros(BENT)
-    for n in range(weight.size):
-        for i in range(BENT):
-            out[i] += weight[n] * vectors[i, n]
-    return out
 
 
 @njit()
@@ -210,7 +202,7 @@ def fit_plane_or_bent(
         start = move_surface(field, before.q, region.boxes, PLANE, 0.0)[0]
         plane = refine(field, region, start, PLANE, steps)
     bent = refine(field, region, plane.q, BENT, steps)
-    if was_bent and bent.likelihood <= before.likelihood:
+    if bent.likelihood <= before.likelihood:
         bent = before
     if (bent.likelihood - plane.likelihood) * weight > gain:
         plane = _straighten(field, region, bent.q, plane, steps)

@@ -46,7 +46,6 @@ class Seed(NamedTuple):
     q: Array
     rough: float  # variance, rad^2, of the depths about it; negative if it is none
     most: float  # up to which it may grow
-    gain: float  # in S from which on it is bent
 
 
 def grown_surfaces(
@@ -80,13 +79,11 @@ def _grow(field, grid, start, gain, roughest, count):  # pragma: no cover - comp
     surfaces = np.zeros((start[0].size, BENT + 1))
     new = 0
     for n, window in enumerate(zip(*start)):  # noqa: B905 - unknown to Numba
-        seed = _seed_in_window(field, grid, window, gain, roughest)
+        seed = _seed_in_window(field, grid, window, roughest)
         if seed.rough < 0:
             continue
         cells = _first_cells(field, grid, seed, window, n + 1)
-        if cells.size == 0:
-            continue
-        q, rough, cells = _grow_from_cells(field, grid, seed, cells, n + 1)
+        q, rough, cells = _grow_from_cells(field, grid, seed, cells, n + 1, gain)
         side = window[2] // CELL
         if cells.size >= 0.6 * side * side:
             grid.owner.ravel()[cells] = count + new
@@ -97,7 +94,7 @@ def _grow(field, grid, start, gain, roughest, count):  # pragma: no cover - comp
 
 
 @njit()
-def _seed_in_window(field, grid, window, gain, roughest):  # pragma: no cover - compiled
+def _seed_in_window(field, grid, window, roughest):  # pragma: no cover - compiled
     """A surface in a window, if enough of this is free, and enough of it explained."""
     rows, columns = _cells_of_window(window)
     information = grid.information[:, rows, columns].sum()
@@ -110,7 +107,7 @@ def _seed_in_window(field, grid, window, gain, roughest):  # pragma: no cover - 
             rough = 0.0
         elif likelihood > 0:
             rough = _roughness(field, q, window, roughest)
-    return Seed(q, rough, min(rough + _ROUGHER, roughest), gain)
+    return Seed(q, rough, min(rough + _ROUGHER, roughest))
 
 
 @njit(inline="always")
@@ -142,7 +139,9 @@ def _first_cells(field, grid, seed, window, mark):  # pragma: no cover - compile
 
 
 @njit()
-def _grow_from_cells(field, grid, seed, cells, mark):  # pragma: no cover - compiled
+def _grow_from_cells(
+    field, grid, seed, cells, mark, gain
+):  # pragma: no cover - compiled
     """Fit a surface and let it grow, until it does not; its parameters, roughness, and cells."""
     q = seed.q
     rough = seed.rough
@@ -151,7 +150,7 @@ def _grow_from_cells(field, grid, seed, cells, mark):  # pragma: no cover - comp
         before = cells.size
         boxes, weight = boxes_of_cells(cells, grid.owner.shape[1], _CELLS)
         fit, _ = fit_plane_or_bent(
-            field, region_of_boxes(boxes), q, _STEPS, seed.gain, weight
+            field, region_of_boxes(boxes), q, _STEPS, gain, weight
         )
         if is_possible(field, fit.q, boxes):
             q = fit.q

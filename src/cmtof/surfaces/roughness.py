@@ -41,8 +41,8 @@ def cells_of_surfaces(
     """Phasors turned back by the depth, m, of surfaces, and how rough these are."""
     main = _middles(inner, side)
     whole = pixels_of_cells(main, side)
-    chosen = (whole == inner) & (inner >= 0)
-    label = np.where(chosen, inner, -1)
+    label = np.where(whole == inner, inner, -1)
+    chosen = label >= 0
     turned = np.where(chosen, turn_back(field, np.nan_to_num(depth)), 0)
     weights = np.where(chosen, field.information, 0)
     information = sum_cells(weights.astype(float), side)
