@@ -19,7 +19,7 @@ def random_field(rng, height, width, labels):
     return mrf.RandomField(
         rng.uniform(0, TAU, (height, width)).astype(np.float32),
         rng.normal(0, 2 * mrf.JUMP, (height, width, 2)).astype(np.float32),
-        np.linspace(0, 2.5, labels),
+        rng.normal(size=(2, labels)).astype(np.float32),
         0,
     )
 

@@ -19,7 +19,12 @@ import numpy as np
 from numpy.lib.stride_tricks import sliding_window_view
 from scipy.ndimage import gaussian_filter, uniform_filter
 
-from cmtof.classical.beat import estimate_with_beat, steps, synthetic_frequency
+from cmtof.classical.beat import (
+    estimate_with_beat,
+    quotient,
+    steps,
+    synthetic_frequency,
+)
 from cmtof.compiled import njit
 from cmtof.correlation import TAU, depth_from_wraps, wrapped
 from cmtof.estimate import Estimate, within_range, wraps_in_range
@@ -44,7 +49,7 @@ class RandomField(NamedTuple):
 
     phase: Single  # smoothed, (H, W), rad; the labels belong to it
     beat: Single  # (H, W, 2), kappa (cos, sin) of what label 0 leaves of the beat
-    angles: Array  # (N,), of the beat at each label, rad
+    waves: Single  # (2, N), cosine and sine of the angle of the beat at each label
     first: int  # wrap of label 0
 
     def unary(self, labels: Numbers) -> Array:
@@ -53,18 +58,12 @@ class RandomField(NamedTuple):
         real, imaginary = np.moveaxis(self.beat, -1, 0)
         return -(real * cosine + imaginary * sine)
 
-    @property
-    def waves(self) -> Single:
-        """Cosine and sine (2, N) of the angle of the beat for each label."""
-        return np.array([np.cos(self.angles), np.sin(self.angles)], np.float32)
-
     def depth(self, labels: Numbers, measurement: Measurement) -> Array:
         """Depth (H, W), m, of labels (H, W)."""
-        phase = self.phase.astype(float)
-        frequency = measurement.frequencies[0]
-        return within_range(
-            depth_from_wraps(phase, labels + self.first, frequency), measurement
+        depth = depth_from_wraps(
+            self.phase.astype(float), labels + self.first, measurement.frequencies[0]
         )
+        return within_range(depth, measurement)
 
 
 def mrf(measurement: Measurement) -> Estimate:
@@ -103,10 +102,11 @@ def wrap_field(measurement: Measurement) -> RandomField:
     share = synthetic.frequency / low
     turned = _pool_beat(kappa, beat, share * slope)
     turned = turned * np.exp(-1j * share * (mean_phase + TAU * first))
+    angles = TAU * share * np.arange(last - first + 1)
     return RandomField(
         mean_phase.astype(np.float32),
         np.stack([turned.real, turned.imag], axis=-1).astype(np.float32),
-        TAU * share * np.arange(last - first + 1),
+        np.array([np.cos(angles), np.sin(angles)], np.float32),
         first,
     )
 
@@ -121,11 +121,9 @@ def _phasors(measurement: Measurement) -> Complex:
 def _sharpness(size: Array, noise: Array) -> Array:
     """Weight kappa (H, W) of a beat by amplitudes (2, H, W) of its phasors and their noise (2,)."""
     # neighbours share what smoothing gained, so each gets the variance of a single pixel
-    with np.errstate(divide="ignore", invalid="ignore"):
-        spread = noise[:, None, None] / size
-        variance = np.sum(spread**2, axis=0)
-    kappa = 1 / np.maximum(variance, 1 / _SHARPEST)
-    return np.where((size > 0).all(axis=0), kappa, 0)
+    every = np.broadcast_to(noise[:, None, None], size.shape)
+    variance = np.sum(quotient(every, size, np.inf) ** 2, axis=0)
+    return 1 / np.maximum(variance, 1 / _SHARPEST)
 
 
 def _slope(phasor: Complex) -> Array:
@@ -267,7 +265,7 @@ def best_move(field: RandomField, labels: Numbers, step: int) -> Flags:
     + (B + C - 2 A) (1 - x_p) x_q``, and a convex prior keeps the last factor >= 0.
     """
     target = labels + step
-    inside = (target >= 0) & (target < field.angles.size)
+    inside = (target >= 0) & (target < field.waves.shape[1])
     gain = field.unary(np.where(inside, target, labels)) - field.unary(labels)
     excess = np.where(inside, gain, np.inf).astype(float)
     capacities = []
@@ -277,10 +275,7 @@ def best_move(field: RandomField, labels: Numbers, step: int) -> Flags:
         same = JUMP * np.abs(now)
         ahead = JUMP * np.abs(now + step)
         back = JUMP * np.abs(now - step)
-        along = np.moveaxis(excess, axis, 0)
-        change = np.moveaxis(back - same, axis, 0)
-        along[:-1] += change
-        along[1:] -= change
+        excess += np.diff(back - same, axis=axis, prepend=0, append=0)
         capacities.append(ahead + back - 2 * same)
     return minimum_cut(excess, *capacities)
 
@@ -313,11 +308,9 @@ def minimum_cut(excess: Array, right: Array, down: Array) -> Flags:
     cost = np.concatenate(
         [np.maximum(-excess, 0), np.maximum(excess, 0), right, down], axis=None
     )
-    largest = cost[np.isfinite(cost)].max(initial=0)
-    scale = 2.0**26 / max(largest, 1e-30)
+    scale = 2.0**26 / cost[np.isfinite(cost)].max(initial=1e-30)
     capacity = np.rint(np.minimum(cost * scale, 2.0**28)).astype(np.int32)
     graph = csr_array((capacity, (start, end)), shape=(sink + 1, sink + 1))
     left = graph - maximum_flow(graph, source, sink).flow
-    left = csr_array(left).maximum(0)
     reached = breadth_first_order(left, source, return_predecessors=False)
     return np.isin(index, reached)
