@@ -190,16 +190,14 @@ def _estimate_from_mean(
     mean: NDArray, size: Array, window: int, measurement: Measurement
 ) -> Estimate:
     """Estimate from an averaged beat phasor; its confidence allows for noise and sloping depth."""
-    low, high = measurement.frequencies[:2]
+    tones = measurement.frequencies[:2]
     spread = noise_of_mean(mean, uniform_filter(size**2, window), window**2)
     depth = beat_depth(np.angle(mean), measurement)
-    wraps = depth / wrap_length(low)
+    wraps = depth / wrap_length(tones[0])
     variance = np.maximum(
         uniform_filter(wraps**2, window) - uniform_filter(wraps, window) ** 2, 0
     )
-    noise = np.hypot(
-        wrap_noise(0, spread, frequencies=(low, high)), BIAS * np.sqrt(variance)
-    )
+    noise = np.hypot(wrap_noise(0, spread, frequencies=tones), BIAS * np.sqrt(variance))
     return Estimate(depth, rounding_odds(noise))
 
 

@@ -28,8 +28,10 @@ _FINEST = 2e-5
 def crt(measurement: Measurement) -> Estimate:
     """Range-limited search for the wrap with the smallest remainder, pixel by pixel."""
     wraps, residual = nearest_wrap(measurement)
-    depth = depth_from_wraps(measurement.phase[0], wraps, measurement.frequencies[0])
-    return Estimate(depth, _posterior(measurement, wraps, residual))
+    return Estimate(
+        depth_from_wraps(measurement.phase[0], wraps, measurement.frequencies[0]),
+        _posterior(measurement, wraps, residual),
+    )
 
 
 def crt_ml(measurement: Measurement) -> Estimate:
@@ -100,13 +102,12 @@ def fused_depth(measurement: Measurement, wraps: Numbers, residual: Array) -> Ar
     ``wraps`` and ``residual``, rad, are those of `nearest_wrap`.
     """
     low, high = measurement.frequencies[:2]
-    phase = measurement.phase[0]
     amplitude = np.nan_to_num(measurement.amplitude[:2])
     weights = (amplitude * measurement.frequencies[:2, None, None]) ** 2
     share = weights[1] / np.maximum(weights.sum(axis=0), np.finfo(float).tiny)
-    depth = depth_from_wraps(phase, wraps, low) + share * depth_from_phase(
-        residual, high
-    )
+    depth = depth_from_wraps(
+        measurement.phase[0], wraps, low
+    ) + share * depth_from_phase(residual, high)
     return within_range(depth, measurement)
 
 

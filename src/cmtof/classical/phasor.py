@@ -22,7 +22,7 @@ from cmtof.estimate import (
     wraps_in_range,
 )
 from cmtof.measurement import Measurement
-from cmtof.types import Array, Pair
+from cmtof.types import Array
 
 
 def phasor(measurement: Measurement) -> Estimate:
@@ -31,7 +31,8 @@ def phasor(measurement: Measurement) -> Estimate:
     The confidence is the odds that noise leaves the beat within half a wrap, no less than those of
     a guess. ValueError if the beat repeats within the range.
     """
-    low, high = measurement.frequencies[:2]
+    tones = measurement.frequencies[:2]
+    low, high = tones
     extent = np.ptp(measurement.range)
     covered = wrap_length(high - low)
     if round(high / low) != 1 or covered < extent * (1 - 1e-9):
@@ -48,15 +49,15 @@ def phasor(measurement: Measurement) -> Estimate:
     # a pixel without signal stays in the middle
     best_value = np.where(known, -np.inf, np.inf)
     for wraps in _candidates(phase, measurement):
-        depth = within_range(_peak(phase, amplitude, wraps, (low, high)), measurement)
-        value = match(phase, amplitude, depth, (low, high))
+        depth = within_range(_peak(phase, amplitude, wraps, tones), measurement)
+        value = match(phase, amplitude, depth, tones)
         best = np.where(value > best_value, depth, best)
         best_value = np.maximum(value, best_value)
     noise = np.clip(noise, 1e-9, 1e9)
     return Estimate(
         best,
         np.maximum(
-            wrap_probability(*noise, frequencies=(low, high)),
+            wrap_probability(*noise, frequencies=tones),
             guess_probability(measurement),
         ),
     )
@@ -74,14 +75,14 @@ def _candidates(phase: Array, measurement: Measurement) -> list[Array | int]:
     return [middle, middle - 1, middle + 1, first - 1, first, last - 1, last]
 
 
-def match(phase: Array, amplitude: Array, depth: Array, frequencies: Pair) -> Array:
+def match(phase: Array, amplitude: Array, depth: Array, frequencies: Array) -> Array:
     """Match F (H, W), counts, of depths (H, W), m, to phases, rad, and amplitudes (2, H, W)."""
     off = phase_from_depth(depth, np.reshape(frequencies, (2, 1, 1))) - phase
     return np.sum(amplitude * np.cos(off), axis=0)
 
 
 def _peak(
-    phase: Array, amplitude: Array, wraps: Array | int, frequencies: Pair
+    phase: Array, amplitude: Array, wraps: Array | int, frequencies: Array
 ) -> Array:
     """Depth (H, W), m, of the peak of F at a wrap, from the phasors' sum and one Newton step."""
     low, high = frequencies

@@ -11,7 +11,7 @@ from functools import partial
 from typing import Any
 
 import numpy as np
-from scipy.ndimage import find_objects, label, uniform_filter
+from scipy.ndimage import find_objects, uniform_filter
 
 from cmtof.bounds import wrap_probability
 from cmtof.classical.beat import noise_of_mean, synthetic_frequency
@@ -66,11 +66,8 @@ def reference_field(measurement: Measurement, *, side: int = SIDE) -> Estimate:
 
 def surfaces(depth: Array) -> Numbers:
     """Number of each pixel's surface (H, W), connected between `bends`; those stand alone."""
-    boundary = bends(depth)
-    numbers = np.zeros(depth.shape, np.intp)
-    label(~boundary, output=numbers)
-    numbers[boundary] = numbers.max() + 1 + np.arange(np.count_nonzero(boundary))
-    return numbers - 1
+    inside = ~bends(depth)
+    return components(inside[1:] & inside[:-1], inside[:, 1:] & inside[:, :-1])
 
 
 def bodies(depth: Array) -> Numbers:
