@@ -34,13 +34,12 @@ VARIABLES = {
     "time": Kind("s", None),
 }
 
-_DEGREE = float(np.pi / 180)
 # Units that a file may state, and their size in SI units.
 UNITS = {
     "Hz": {"Hz": 1.0, "kHz": 1e3, "MHz": 1e6, "GHz": 1e9},
     "rad": {
         **dict.fromkeys(("rad", "radian", "radians", "1", ""), 1.0),
-        **dict.fromkeys(("deg", "degree", "degrees", "°"), _DEGREE),
+        **dict.fromkeys(("deg", "degree", "degrees", "°"), np.pi / 180),
         "mrad": 1e-3,
     },
     "m": {
@@ -196,12 +195,13 @@ def _with_valid_values(data: Dataset) -> Dataset:
             samples = wrapped(samples) if name == "phase" else samples
             data[name] = (variable.dims, samples, variable.attrs)
     if "raw_counts" in data:
-        negative = (data["raw_counts"].to_numpy() < 0) & valid
-        _raise_if_any(negative, "raw_counts >= 0", "Check the sign of the read-out.")
-    if (limit := data.attrs.get("saturation")) is not None and "correlation" in data:
-        saturation = float(
-            np.min(numbers(limit, "the attribute saturation"), initial=np.inf)
+        _raise_if_any(
+            (data["raw_counts"].to_numpy() < 0) & valid,
+            "raw_counts >= 0",
+            "Check the sign of the read-out.",
         )
+    if (limit := data.attrs.get("saturation")) is not None and "correlation" in data:
+        saturation = np.min(numbers(limit, "the attribute saturation"), initial=np.inf)
         counts = data.get("raw_counts", data["correlation"]).to_numpy()
         _raise_if_any(
             (counts >= saturation) & valid,

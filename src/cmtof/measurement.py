@@ -48,7 +48,7 @@ class Measurement:
         (by default from 0 to where two frequencies repeat themselves); and anything else that the
         file should hold as an attribute.
         """
-        frequencies = np.atleast_1d(numbers(frequencies, "frequencies"))
+        frequencies = np.atleast_1d(frequencies)
         psi = numbers(psi, "psi")
         if psi.ndim == 1:
             psi = np.broadcast_to(psi, (frequencies.size, psi.size))
@@ -71,7 +71,7 @@ class Measurement:
         **more: Any,
     ) -> "Measurement":
         """Measurement of phase maps (F, H, W), rad, where correlations were not kept."""
-        frequencies = np.atleast_1d(numbers(frequencies, "frequencies"))
+        frequencies = np.atleast_1d(frequencies)
         variables = {"phase": phase, "amplitude": amplitude}
         return cls(_dataset(variables, {"frequency": frequencies}, more))
 
@@ -87,9 +87,8 @@ class Measurement:
         Where nothing valid was measured the phase is 0 and the others NaN.
         """
         if "correlation" in self.dataset:
-            images = self.dataset["correlation"].to_numpy()
-            psi = self.dataset["psi"].to_numpy()
-            return Decoded(*(image.astype(float) for image in decode(images, psi)))
+            images = decode(self.dataset["correlation"], self.dataset["psi"])
+            return Decoded(*(image.astype(float) for image in images))
         phase = self.dataset["phase"].to_numpy().astype(float)
         stored = self._image("amplitude")
         amplitude = np.ones_like(phase) if stored is None else stored.astype(float)
@@ -139,8 +138,11 @@ class Measurement:
 
     def between(self, range_min: float, range_max: float) -> "Measurement":
         """The same measurement with another `range` of depths, m."""
-        limits = {"range_min": float(range_min), "range_max": float(range_max)}
-        return Measurement(self.dataset.assign_attrs(limits))
+        return Measurement(
+            self.dataset.assign_attrs(
+                range_min=float(range_min), range_max=float(range_max)
+            )
+        )
 
     def without_stray_light(self, covered: "Measurement") -> "Measurement":
         """The same measurement without light that never reached the scene, but came straight back.
@@ -223,13 +225,16 @@ def _dataset(variables: Fields, coordinates: Named, more: Fields) -> Dataset:
         depth = np.ma.filled(np.ma.asarray(depth, float), np.nan)
     variables = variables | {"camera": more.pop("camera", None), "depth": depth}
     arrays = {name: values for name, values in variables.items() if values is not None}
+    attributes = {"version": __version__} | {
+        key: value for key, value in more.items() if value is not None
+    }
     try:
         if (valid := _valid_pixels(arrays, mask)) is not None:
             arrays["mask"] = valid
         images = {
             name: (VARIABLES[name].dims, np.asarray(arrays[name])) for name in arrays
         }
-        dataset = Dataset(images, coordinates)
+        return Dataset(images, coordinates, attributes)
     except ValueError as error:
         if str(error).startswith("Expected"):
             raise
@@ -237,9 +242,6 @@ def _dataset(variables: Fields, coordinates: Named, more: Fields) -> Dataset:
         raise ValueError(
             f"Expected arrays of one image size, got others ({reason}). Check shapes."
         ) from None
-    dataset.attrs = {"version": __version__}
-    dataset.attrs |= {key: value for key, value in more.items() if value is not None}
-    return dataset
 
 
 def _valid_pixels(
@@ -285,9 +287,9 @@ def _open_npz(path: Path) -> Measurement:
             f"Expected arrays {', '.join(needed)} in {path}, got {', '.join(sorted(arrays))}. "
             "A frame of depth and intensity becomes a measurement by `cmtof simulate`."
         )
-    stacks = (arrays[name] for name in needed)
     more = {k: arrays[k] for k in ("depth", "mask", "camera") if k in arrays}
     more |= {k: arrays[k].item() for k in ("range_min", "range_max") if k in arrays}
+    stacks = map(arrays.__getitem__, needed)
     return Measurement.from_arrays(*stacks, source=path.name, **more)
 
 
