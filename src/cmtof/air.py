@@ -25,5 +25,5 @@ def group_index(
     for strength, pole in ((0.05792105, 238.0185), (0.00167917, 57.362)):
         # n + sigma dn/dsigma of strength / (pole - sigma^2)
         refractivity += strength * (pole + square) / (pole - square) ** 2
-    thinner = pressure / STANDARD_PRESSURE
-    return 1 + refractivity * thinner * (STANDARD_TEMPERATURE / temperature)
+    refractivity *= pressure / STANDARD_PRESSURE
+    return 1 + refractivity * (STANDARD_TEMPERATURE / temperature)

@@ -29,13 +29,11 @@ def fisher_information(
     second term because the variance, too, depends on the mean. Amplitude and offset (...) and
     sigma in counts, ``psi`` (K,) and ``phase`` (...) in rad; the result is (..., 3, 3).
     """
-    a, d, phi = np.broadcast_arrays(amplitude, offset, phase)
-    angle = phi[..., None] + np.asarray(psi, float)
-    mean = d[..., None] + a[..., None] * np.cos(angle)
+    a, d, phi = np.stack(np.broadcast_arrays(amplitude, offset, phase))[..., None]
+    angle = phi + np.asarray(psi, float)
+    mean = d + a * np.cos(angle)
     variance = mean + sigma**2
-    gradient = np.stack(
-        [a[..., None] * -np.sin(angle), np.cos(angle), np.ones_like(angle)], -1
-    )
+    gradient = np.stack([a * -np.sin(angle), np.cos(angle), np.ones_like(angle)], -1)
     weight = 1 / variance + 1 / (2 * variance**2)
     return np.einsum("...k,...ki,...kj->...ij", weight, gradient, gradient)
 

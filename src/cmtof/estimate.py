@@ -110,7 +110,8 @@ def hidden_noise(measurement: Measurement, seen: Array) -> float:
     ratio m, so that depth hardly moves a beat: by their differences beyond the noise that is
     ``seen`` (2, H, W), rad.
     """
-    ratio = float(np.divide(*measurement.frequencies[1::-1])) if len(seen) > 1 else 0.5
+    low, high = measurement.frequencies[:2]
+    ratio = high / low
     multiple = round(ratio)
     if abs(ratio - multiple) > _SLOW:
         return 0.0
@@ -143,7 +144,7 @@ def seen_noise(measurement: Measurement) -> Array:
         return np.where(known, 1.0, np.inf)
     images = dataset["correlation"].to_numpy()[:2]
     psi = dataset["psi"].to_numpy()[:2]
-    sample = np.array([_sample_noise(*pair) for pair in zip(images, psi, strict=True)])
+    sample = np.array([*map(_sample_noise, images, psi)])
     linear = np.sqrt(2 / psi.shape[1]) * sample[:, None, None]
     return np.where(known, linear / np.where(known, amplitude, 1), np.inf)
 

@@ -108,8 +108,7 @@ class Tally:
         """Rates and depth errors, m, over all frames, as ``cmtof evaluate`` names them."""
         whole = sum(frame["pixels"] for frame in self.frames)
         counts = [[*frame["below"], frame["consistent"]] for frame in self.frames]
-        shares = np.sum(counts, axis=0) / whole
-        lt_1, lt_2, lt_3, lt_10, consistent = shares.tolist()
+        lt_1, lt_2, lt_3, lt_10, consistent = (np.sum(counts, axis=0) / whole).tolist()
         median = np.searchsorted(np.cumsum(self._errors), whole / 2)
         sets = {
             name: float(

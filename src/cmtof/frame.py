@@ -120,8 +120,7 @@ def held_out_frames() -> list[Frame]:
     levels = arrays["intensity"].cumsum(axis=2, dtype=np.uint8)
     light = (levels / np.float32(255)) ** 2
     names = arrays["name"].tolist()
-    views = zip(steps * HELD_OUT_STEP, light, arrays["camera"], names, strict=True)
-    return [Frame(*view) for view in views]
+    return [*map(Frame, steps * HELD_OUT_STEP, light, arrays["camera"], names)]
 
 
 def unreadable_error(

@@ -56,8 +56,10 @@ class Method:
             return trivial.middle(measurement)
         protocol = str(measurement.dataset.attrs.get("protocol", "released"))
         if "weights" not in options and self.state(protocol) == "untrained":
-            message = f"{self.name} is untrained: its card shows no gain over a trivial answer."
-            warnings.warn(message, stacklevel=3)
+            warnings.warn(
+                f"{self.name} is untrained: its card shows no gain over a trivial answer.",
+                stacklevel=3,
+            )
         first, last = wraps_in_range(measurement)
         pixel = self.memory + self.wrap_memory * (last - first + 1)
         if pixel * measurement.mask.size <= MOST_MEMORY:

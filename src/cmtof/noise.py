@@ -104,9 +104,8 @@ def _windows_without_slope(phase: ArrayLike, window: int) -> Complex:
     windows = sliding_window_view(
         np.pad(np.exp(1j * phase), window // 2), (window, window)
     )
-    y, x = np.mgrid[:window, :window] - window // 2
     ramp = np.zeros(windows.shape)
-    for axis, steps in ((-2, y), (-1, x)):
+    for axis, steps in enumerate(np.mgrid[:window, :window] - window // 2, start=2):
         near, far = (np.delete(windows, end, axis) for end in (-1, 0))
         ramp += np.multiply.outer(
             np.angle((np.conj(near) * far).sum(axis=(-2, -1))), steps
@@ -238,10 +237,9 @@ def linear_from_spread(spread: float) -> float:
             f"Expected a phase noise between 0 and {np.pi / np.sqrt(3):.2f} rad, "
             f"got {spread:.4g}. Average phases first."
         )
-    root = optimize.brentq(
+    return optimize.brentq(  # pyright: ignore[reportReturnType]
         lambda x: phase_spread(x) - spread, 0.6 * spread, _LARGEST, xtol=1e-13
     )
-    return float(root)  # type: ignore[arg-type]
 
 
 def sigma_from_phase_noise(phase_noise: float, *, intensity: ArrayLike = 1.0) -> Array:

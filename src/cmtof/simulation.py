@@ -24,7 +24,7 @@ RELEASED_FAR_DEPTH = 1.195
 _FAR = 2.7  # nearest depth, over the farthest in range, beyond which depths seem to be no metres
 
 # The four reference phases of Eq. 8 in rising order, rad.
-QUADRATURES = tuple(float(k * np.pi / 2) for k in range(4))
+QUADRATURES = tuple(k * np.pi / 2 for k in range(4))
 
 
 def simulate(
@@ -99,9 +99,7 @@ def _means(frame: Frame, depth: Array, frequencies: Array, psi: Array) -> Single
     step = psi[..., None, None]
     c = np.cos(step).astype(np.float32)
     s = np.sin(step).astype(np.float32)
-    means = x * c
-    means -= y * s
-    means += signal / 2
+    means = x * c - y * s + signal / 2
     return np.maximum(means, 0)  # rounding must not make a rate negative
 
 

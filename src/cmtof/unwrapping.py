@@ -92,10 +92,9 @@ def _interval_variables(
 ) -> Fields:
     """Intervals of wraps and, unless it worked in tiles, components: variables by name."""
     known = images["wrap_count"][1] >= 0
-    sets = sets_of_wraps(images["confidence"][1], measurement)
     variables: Fields = {
         name: (("y", "x"), np.where(known, most, -1).astype(np.int16))
-        for name, most in sets.items()
+        for name, most in sets_of_wraps(images["confidence"][1], measurement).items()
     }
     if components:
         label, odds = components
@@ -214,6 +213,5 @@ def _write_tile(file: Any, result: Dataset, place: tuple[slice, slice]) -> None:
                 chunks=image.shape,
                 compression="gzip",
                 compression_opts=1,
-            )
-            file.variables[name].attrs.update(image.attrs)
+            ).attrs.update(image.attrs)
         file.variables[name][place] = image.to_numpy()
