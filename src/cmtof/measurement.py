@@ -48,7 +48,7 @@ class Measurement:
         (by default from 0 to where two frequencies repeat themselves); and anything else that the
         file should hold as an attribute.
         """
-        frequencies = np.atleast_1d(frequencies)
+        frequencies = np.atleast_1d(numbers(frequencies, "frequencies"))
         psi = numbers(psi, "psi")
         if psi.ndim == 1:
             psi = np.broadcast_to(psi, (frequencies.size, psi.size))
@@ -71,7 +71,7 @@ class Measurement:
         **more: Any,
     ) -> "Measurement":
         """Measurement of phase maps (F, H, W), rad, where correlations were not kept."""
-        frequencies = np.atleast_1d(frequencies)
+        frequencies = np.atleast_1d(numbers(frequencies, "frequencies"))
         variables = {"phase": phase, "amplitude": amplitude}
         return cls(_dataset(variables, {"frequency": frequencies}, more))
 
