@@ -99,7 +99,9 @@ def _means(frame: Frame, depth: Array, frequencies: Array, psi: Array) -> Single
     step = psi[..., None, None]
     c = np.cos(step).astype(np.float32)
     s = np.sin(step).astype(np.float32)
-    means = x * c - y * s + signal / 2
+    means = x * c
+    means -= y * s
+    means += signal / 2
     return np.maximum(means, 0)  # rounding must not make a rate negative
 
 
