@@ -8,6 +8,7 @@ from unittest.mock import Mock
 
 import xarray as xr
 from pytest import approx, mark, raises
+from refusals import WRONG
 from walls import flat_wall
 
 import cmtof
@@ -135,15 +136,12 @@ def test_a_broken_file_takes_no_other_with_it(run, measured):
 # --- bad input: one line, exit code 1, nothing left behind -----------------------------------
 
 
-def test_inputs_are_never_replaced(fails, measured):
+@mark.parametrize("line, words", WRONG["outputs"])
+def test_inputs_are_never_replaced(fails, measured, line, words):
     m = Path("m.nc")
     Measurement(measured.dataset.drop_vars("camera")).save(m)
     before = m.read_bytes()
-    assert "got m.nc twice" in fails("unwrap m.nc -o m.nc")
-    assert "got c.nc twice" in fails("unwrap m.nc -o c.nc --covered c.nc")
-    assert "named *.ply, got m.nc" in fails("unwrap m.nc -o out.nc --ply m.nc")
-    assert "named *.json, got m.nc" in fails("evaluate room --json m.nc")
-    assert "Expected a camera" in fails("unwrap m.nc -o out.nc --ply c.ply")
+    assert words in fails(line)
     assert m.read_bytes() == before
     assert [*Path().iterdir()] == [m]
 

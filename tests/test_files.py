@@ -7,7 +7,7 @@ from pathlib import Path
 
 import pytest
 from pytest import mark, raises
-from refusals import refused
+from refusals import WRONG, refused
 
 from cmtof.files import atomic_output, check_output, read_document
 
@@ -87,18 +87,14 @@ def test_what_cannot_be_written_is_refused_at_once(path, message):
 @mark.parametrize(
     ("text", "message"),
     [
-        (b"[" * 20_000, "a depth above 20"),
-        (b"a: &a [1]\nb: *a\n", "aliases or"),
-        (b"a: " + b"9" * 5000, "Expected YAML"),
-        (b"\xff\xfe\x00", "Expected YAML|names and values"),
-        (b"1: 2", "names and values"),
-        (b"- a\n- b\n", "names and values"),
-        (b"a: " + b"x" * 2**20, "at most 1048576 bytes"),
-        (b"!!python/object/apply:os.system ['true']", "Expected YAML"),
+        ("[" * 20_000, "a depth above 20"),
+        ("a: " + "x" * 2**20, "at most 1048576 bytes"),
+        ("a: " + "9" * 5000, "Expected YAML"),
+        *WRONG["documents"],
     ],
-    ids=["deep", "alias", "number", "binary", "integer", "list", "long", "object"],
+    ids=lambda text: text[-20:],
 )
 def test_hostile_documents_are_refused(text, message):
-    Path("a.yml").write_bytes(text)
+    Path("a.yml").write_text(text, "latin-1")
     with refused(message):
         read_document("a.yml")

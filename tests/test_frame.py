@@ -51,10 +51,9 @@ def test_frames_survive_their_file(rng, camera):
         ({"intensity": ONES.T}, "one shape"),
         ({"depth": 0 * ONES}, "none above 0"),
         ({"intensity": -ONES}, "intensities >= 0"),
-        ({"camera": [0.0, 1, 1, 1]}, "camera fx fy cx cy"),
         ({"depth": ONES.astype(str)}, "numbers as depth"),
         ({"intensity": ONES.astype([("a", float)])}, "numbers as intensity"),
-        ({"camera": ["a"] * 4}, "numbers as camera"),
+        *WRONG["frames"],
     ],
 )
 def test_impossible_frames_are_refused_alike_from_arrays_and_files(arrays, message):

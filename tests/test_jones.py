@@ -5,7 +5,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 from numpy.testing import assert_allclose
 from pytest import approx, mark
-from refusals import refused
+from refusals import WRONG, refused
 
 from cmtof import jones
 
@@ -41,20 +41,7 @@ def test_beam_splitter_has_the_extinction_ratios_asked_for(transmitted, reflecte
     assert aside[1, 1] / aside[0, 0] == approx(reflected, rel=1e-6)
 
 
-@mark.parametrize(
-    ("call", "message"),
-    [
-        (lambda: jones.mirror(1.2), "reflectance from 0 to 1"),
-        (lambda: jones.mirror(np.nan), "reflectance from 0 to 1"),
-        (lambda: jones.polarising_beam_splitter("up"), "'transmitted' or 'reflected'"),
-        (
-            lambda: jones.polarising_beam_splitter(
-                "reflected", reflected_extinction=np.nan
-            ),
-            "reflected port's extinction ratio above 1",
-        ),
-    ],
-)
-def test_impossible_elements_are_refused(call, message):
+@mark.parametrize("name, arguments, message", WRONG["elements"])
+def test_impossible_elements_are_refused(name, arguments, message):
     with refused(message):
-        call()
+        getattr(jones, name)(**arguments)

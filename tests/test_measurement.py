@@ -221,18 +221,10 @@ def test_impossible_variables_are_refused(variables, message):
         Measurement(changed(**variables))
 
 
-@mark.parametrize(
-    ("change", "message"),
-    [
-        (lambda d: d.drop_vars("correlation"), "a variable 'correlation'"),
-        (lambda d: d.drop_vars("psi"), "a variable 'psi'"),
-        (lambda d: d.transpose("y", "x", "frequency", "step"), "with dimensions"),
-        (lambda d: d.isel(y=slice(0, 0)), "none of them empty"),
-    ],
-)
-def test_misshapen_datasets_are_refused(change, message):
+@mark.parametrize("change, what, message", WRONG["datasets"])
+def test_misshapen_datasets_are_refused(change, what, message):
     with refused(message):
-        Measurement(change(changed()))
+        Measurement(getattr(changed(), change)(*what))
 
 
 def test_a_header_that_claims_too_much_is_refused_before_it_is_read():

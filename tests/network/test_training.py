@@ -105,19 +105,13 @@ def test_rooms_that_nothing_finds_are_refused():
         open_rooms(read_config("cpu"))
 
 
-@mark.parametrize(
-    "wrong", [{"accelerator": "gpu"}, {"accelerator": "x"}, {"devices": "x"}]
-)
-def test_device_that_is_not_there_is_refused(tmp_path, config, wrong):
+@mark.parametrize("precision, flags", WRONG["devices"])
+def test_what_this_machine_lacks_is_refused(tmp_path, config, precision, flags):
     if torch.cuda.is_available():
         skip("there is a GPU")
     with refused("Expected accelerator, devices, strategy and precision"):
-        train(config, tmp_path, quiet=True, **wrong)
-
-
-def test_precision_that_is_not_there_is_refused(tmp_path, config):
-    with refused("Expected accelerator, devices, strategy and precision"):
-        train(config.model_copy(update={"precision": "x"}), tmp_path, quiet=True)
+        changed = config.model_copy(update={"precision": precision})
+        train(changed, tmp_path, quiet=True, **flags)
 
 
 @mark.parametrize("name", ["fast-scnn", "deep-tof", "rapid"])

@@ -97,10 +97,9 @@ def wrap_field(measurement: Measurement) -> RandomField:
     noise[0] *= synthetic.multiple
     mean_phase = wrapped(np.angle(smooth[0]))
     beat = synthetic.sign * (np.angle(smooth[1]) - synthetic.multiple * mean_phase)
-    kappa = _sharpness(np.abs(smooth), noise)
     first, last = wraps_in_range(measurement)
     share = synthetic.frequency / low
-    turned = _pool_beat(kappa, beat, share * slope)
+    turned = _pool_beat(_sharpness(np.abs(smooth), noise), beat, share * slope)
     turned = turned * np.exp(-1j * share * (mean_phase + TAU * first))
     angles = TAU * share * np.arange(last - first + 1)
     return RandomField(

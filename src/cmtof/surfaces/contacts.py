@@ -170,12 +170,12 @@ def offsets_with_contacts(
     step = np.append(borders.step, -borders.step)[:, None]
     step = step + base[source] - base[target]
     place = np.arange(_OFFSETS.size) - step
-    belief = _propagate(alone, source, target, place, np.tile(borders.odds, 2))
-    share = softmax(belief, axis=1)
+    share = _propagate(alone, source, target, place, np.tile(borders.odds, 2))
+    share = softmax(share, axis=1)
     best = share.argmax(axis=1)
     wraps = base[:, 0] + _OFFSETS[best]
-    count = _OFFSETS.size
-    share = _values_at(share, best[:, None] + np.arange(1 - count, count))
+    moves = np.arange(1 - _OFFSETS.size, _OFFSETS.size)
+    share = _values_at(share, best[:, None] + moves)
     return Placement(wraps, groups_of_surfaces(wraps, borders), share)
 
 

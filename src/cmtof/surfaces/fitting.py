@@ -50,10 +50,9 @@ def _moments(field, region, q):  # pragma: no cover - compiled
     k = field.wavenumber
     turns = field.turns
     error = total.imag
-    pull = error[0] * k[0] + error[1] * k[1]
-    wrap = known[0] * turns[0] * k[0] + known[1] * turns[1] * k[1]
-    g = (pull * change).sum(axis=1)
-    h = (wrap * change).sum(axis=1)
+    g = ((error[0] * k[0] + error[1] * k[1]) * change).sum(axis=1)
+    h = known[0] * turns[0] * k[0] + known[1] * turns[1] * k[1]
+    h = (h * change).sum(axis=1)
     bend = known[0] * k[0] ** 2 + known[1] * k[1] ** 2
     sums = _sums_of_offset(total, known, turns)
     return sums, g, h, _products(bend * change, change)
