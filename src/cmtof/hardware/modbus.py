@@ -2,7 +2,6 @@
 
 import socket
 import struct
-from io import BufferedRWPair
 
 from cmtof.hardware.device import BadReply, ConnectionLost, Refused, one_error
 
@@ -25,17 +24,16 @@ class Feedback:
         self._timeout = timeout
         self._number = 0
         with one_error(f"a T7 at {address}", ConnectionLost):
-            self._stream = self._connect()
+            self._socket: socket.socket | None = self._connect()
 
     def ask(self, frame: bytes) -> bytes:
         """Answer to a frame, without its header; `Refused` if the device reports an exception."""
         self._number = (self._number + 1) % 2**16
-        if self._stream.closed:
-            self._stream = self._connect()
+        if self._socket is None:
+            self._socket = self._connect()
         try:
             request = HEAD.pack(self._number, 0, len(frame) + 2, UNIT, FEEDBACK) + frame
-            self._stream.write(request)
-            self._stream.flush()
+            self._socket.sendall(request)
             number, _, length, _, function = HEAD.unpack(self._receive(HEAD.size))
             if number != self._number or function & 0x7F != FEEDBACK:
                 raise BadReply(
@@ -53,16 +51,19 @@ class Feedback:
 
     def close(self) -> None:
         """Close the connection; may be called again."""
-        self._stream.close()
+        if self._socket is not None:
+            self._socket.close()
+        self._socket = None
 
-    def _connect(self) -> BufferedRWPair:
-        """Socket as a file, with which it is closed."""
-        with socket.create_connection(self.address, self._timeout) as connected:
-            return connected.makefile("rwb")
+    def _connect(self) -> socket.socket:
+        return socket.create_connection(self.address, self._timeout)
 
     def _receive(self, size: int) -> bytes:
         """Exactly ``size`` bytes from the socket; ConnectionResetError if it ends before."""
-        data = self._stream.read(size)
-        if len(data) < size:
-            raise ConnectionResetError("the connection was closed")
+        data = b""
+        while len(data) < size:
+            part = self._socket.recv(size - len(data)) if self._socket else b""
+            if not part:
+                raise ConnectionResetError("the connection was closed")
+            data += part
         return data
