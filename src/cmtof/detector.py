@@ -62,9 +62,9 @@ def _check_counts(mean: Array, sigma: float) -> None:
             f"Expected finite counts >= 0, got values from {low:.6g} to {high:.6g}. "
             "Check intensity, gain and exposure."
         )
-    if not sigma >= 0:
+    if not 0 <= sigma < np.inf:
         raise ValueError(
-            f"Expected a noise sigma >= 0, got {sigma}. Give it in counts."
+            f"Expected a finite noise sigma >= 0, got {sigma}. Give it in counts."
         )
 
 
