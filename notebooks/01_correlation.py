@@ -193,8 +193,8 @@ plotting.save(
 # [Eq. 1.1](#eq-1.1) that is a raised cosine (½, ¼) times a square gate open for half of every
 # period (½, 1/π), as in an electronic *pixel*. The prototype multiplies **two optical modulators**:
 # two perfect raised cosines give a contrast of ½, two [two-pass modulators](04_modulator.ipynb)
-# $2J_1^2(2\eta)$ at a drive amplitude η. The chapters on light use η = 0.26, the 50 % modulator
-# contrast that the paper states; those on the instrument assume π/4, since at 0.26 the doubled
+# $2J_1^2(2\eta)$ at a drive amplitude η. The chapters on light use η = 0.26, the lower end of the
+# modulator contrast «> 50 %» that the paper states; those on the instrument assume π/4, since at 0.26 the doubled
 # mode's signal is too weak for a scan ([chapter 13](13_instrument.ipynb)).
 
 # %%

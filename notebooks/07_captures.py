@@ -4,11 +4,11 @@
 # How noisy are real all-optical measurements, and does the simulator have that noise (Paper Fig.
 # 11)?
 #
-# Three raster scans of the authors' line of prototypes are published: wrapped phase at 7.15 GHz of
-# busts before a wall, and a coarse reference depth
-# ([Pan et al. 2024](../book/references.bib#pan2024)). They are the only measurements that this book
-# can check itself against. The files are not part of it; the last line of the answer says whether
-# this page had them.
+# Some of the authors published five raster scans of a later instrument, which sweeps the frequency
+# where the paper steps the phase: wrapped phase at 7.15 GHz, and a coarse reference depth
+# ([Pan et al. 2024](../book/references.bib#pan2024)). This book uses three, two heads and an owl
+# before a wall. They are the only measurements that it can check itself against. The files are not
+# part of it; the last line of the answer says whether this page had them.
 
 # %% tags=["parameters", "hide-input"]
 profile: str = "book"  # size profile

@@ -4,7 +4,7 @@
 # A stage moves a target by one millimetre before three instruments (Paper Fig. 13, Table 4). Which
 # of them follows it best?
 #
-# This is the paper's headline, 33.5 µm. Each instrument is *simulated* on many days, with
+# This is the accuracy in the paper's Fig. 13, 33.5 µm. Each instrument is *simulated* on many days, with
 # systematic errors of plausible sizes drawn for each.
 
 # %% tags=["parameters", "hide-input"]
@@ -233,7 +233,8 @@ notes.table(
 
 # %% [markdown]
 # - With ten times the light the noise of RF on the plate is ten times lower, but its error hardly
-#   changes: the offsets drift after they were measured. The paper reports the same.
+#   changes: the offsets drift after they were measured. The paper tried such a power on its scenes
+#   and found RF no better.
 # - Without offset correction the plate's phase does not follow the stage: nearly constant errors of
 #   millimetres, as the paper's 11.8 mm.
 # - The paper's RF is worse on a mirror too; ours is not. With that much light its noise is
@@ -444,8 +445,8 @@ rms_for = brentq(lambda rms: lost(rms) - fringes_20, 5e-8, 1.5e-7)
 print(f"20 µm are {fringes_20:.0f} fringes, lost in 1 mm at {1e9 * rms_for:.0f} nm rms")
 
 # %% [markdown]
-# At a few times that vibration the count fails. The paper reports the same: its measurements were
-# run from outside the laboratory and repeated many times. But errors that grow along the travel
+# At a few times that vibration the count fails. The paper's measurements were run from outside the
+# laboratory and repeated many times. But errors that grow along the travel
 # (lost fringes, a wavelength 3.5 % off, a breadboard 3 K warmer) have the MAE/RMSE of a straight
 # line, 0.86. Table 4 has 1, a constant offset.
 

@@ -251,9 +251,8 @@ holds[22] = gains[0] / gains[1] > 1.9
 # exclude the stated 7.5 µm, which must be of another quantity.
 #
 # ### 30 · Small contradictions
-# The modulators' bandwidth is «only a few MHz» (Section 1), elsewhere «20 MHz» (6.1); modulation is
-# «large-area» (1) with a «small active area» (9); the generator is an SDG2042X (7.3) and an
-# SDG2024X (8.1); the MHz camera errs by «cm to 10 cm» on dark surfaces and by 200 mm on the owl;
+# The modulators' bandwidth is «only a few MHz» (Section 1), elsewhere «20 MHz» (6.1); the generator
+# is an SDG2042X (7.3) and an SDG2024X (8.1); the MHz camera errs by «cm to 10 cm» on dark surfaces and by 200 mm on the owl;
 # OneCycle is no fixed ratio, here «0.995 per epoch» (8.1); the ℓ1 term is plain in Eq. 7 and
 # «smooth» below it.
 
@@ -346,7 +345,8 @@ holds[27] = abs(r_squared - said("fig14.r_squared")) < 1e-5
 #
 # ### 11 · Femtoseconds
 # 33.5 µm of range are 223 fs of round trip. But that error is mostly a constant (entry 15); as
-# *precision*, a scatter of 7.5 to 10.7 µm is 50 to 71 fs, less than the stated 100 fs. Whether one
+# *precision*, $\sqrt{\mathrm{RMSE}^2-\mathrm{MAE}^2}$, at least 8.1 µm (mirror) and 10.7 µm
+# (plate), is 54 and 71 fs, less than the stated 100 fs. Whether one
 # reading scatters so little depends on the noise of the instrument
 # ([chapter 17](17_precision_sweep.ipynb)).
 #
@@ -483,8 +483,8 @@ holds[25] = mae < 1e3 * said("table4.rf.mae_diffuse") - 1
 
 # %% [markdown]
 # ### 26 · Fringes between steps
-# The interferometer was unwrapped sequentially along steps of 50 µm, each 188 fringes: neighbouring
-# positions do not determine the fringe. Counting needs phases measured while the stage moved.
+# The interferometer was unwrapped sequentially. If its readings were 50 µm apart, as those of the
+# time of flight, each step is 188 fringes: neighbouring positions do not determine the fringe. Counting needs phases measured while the stage moved.
 
 # %%
 fringes = said("sec8.sweep_step") / (LASER_WAVELENGTH / 2)
