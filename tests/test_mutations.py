@@ -30,8 +30,8 @@ MISTAKES = {
     ),
     "sign of psi": Mistake(
         "simulation.py",
-        "x * c - y * s + signal / 2",
-        "x * c + y * s + signal / 2",
+        "means -= y * s",
+        "means += y * s",
         "test_simulation.py::test_noise_free_correlations_are_equation_8",
     ),
     "half of eta": Mistake(
