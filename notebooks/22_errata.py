@@ -345,9 +345,9 @@ holds[27] = abs(r_squared - said("fig14.r_squared")) < 1e-5
 #
 # ### 11 · Femtoseconds
 # 33.5 µm of range are 223 fs of round trip. But that error is mostly a constant (entry 15); as
-# *precision*, $\sqrt{\mathrm{RMSE}^2-\mathrm{MAE}^2}$, at least 8.1 µm (mirror) and 10.7 µm
-# (plate), is 54 and 71 fs, less than the stated 100 fs. Whether one
-# reading scatters so little depends on the noise of the instrument
+# *precision*, the scatter $\sqrt{\mathrm{RMSE}^2-\mathrm{MAE}^2}$ before the plate is at least 10.7
+# µm, 71 fs, less than the stated 100 fs. (The stated 7.5 µm are 50 fs, but see entry 24.) Whether
+# one reading scatters so little depends on the noise of the instrument
 # ([chapter 17](17_precision_sweep.ipynb)).
 #
 # ### 15 · Errors of equal magnitude
