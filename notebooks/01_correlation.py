@@ -194,8 +194,8 @@ plotting.save(
 # period (½, 1/π), as in an electronic *pixel*. The prototype multiplies **two optical modulators**:
 # two perfect raised cosines give a contrast of ½, two [two-pass modulators](04_modulator.ipynb)
 # $2J_1^2(2\eta)$ at a drive amplitude η. The chapters on light use η = 0.26, the lower end of the
-# modulator contrast «> 50 %» that the paper states; those on the instrument assume π/4, since at 0.26 the doubled
-# mode's signal is too weak for a scan ([chapter 13](13_instrument.ipynb)).
+# modulator contrast «> 50 %» that the paper states; those on the instrument assume π/4, since at
+# 0.26 the doubled mode's signal is too weak for a scan ([chapter 13](13_instrument.ipynb)).
 
 # %%
 weak, strong = (

@@ -143,7 +143,7 @@ plotting.save(
 #
 # | | paper's text | public code | here |
 # |---|---|---|---|
-# | inputs | phases, octaves, edges, amplitude | phases, octaves | phases, octaves, edges, amplitude |
+# | inputs | phases, octaves, edges, amplitude | phases, octaves | the paper's |
 # | first layer | – | every second pixel | every pixel |
 # | last layers | skip at full resolution | at half of it, enlarged | skip at full resolution |
 # | pyramid's means | – | over 1/2, 1/3, 1/6 of the image | over windows of 24 to 264 px |

@@ -341,8 +341,8 @@ for mode, one in here.items():
 # rad at 7.15 GHz. The *captures' noise* is therefore a second case beside this *photon limit*: the
 # phase between both drives fluctuates from step to step, in part correlated with the point before.
 # Its level and grain, 0.117 rad a point and a correlation of 0.17, are means over three of five
-# published scans, of which one has 0.45 and two hardly any. At 14.32 GHz the same value in radians is assumed
-# (a jitter in time would double it). In a rig file it is
+# published scans, of which one has 0.45 and two hardly any. At 14.32 GHz the same value in radians
+# is assumed (a jitter in time would double it). In a rig file it is
 # `twin: {phase_noise: [0.117, 0.117], grain: 0.167}`.
 #
 # ## Differences from the paper

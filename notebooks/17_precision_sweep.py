@@ -4,8 +4,8 @@
 # A stage moves a target by one millimetre before three instruments (Paper Fig. 13, Table 4). Which
 # of them follows it best?
 #
-# This is the accuracy in the paper's Fig. 13, 33.5 µm. Each instrument is *simulated* on many days, with
-# systematic errors of plausible sizes drawn for each.
+# This is the accuracy in the paper's Fig. 13, 33.5 µm. Each instrument is *simulated* on many days,
+# with systematic errors of plausible sizes drawn for each.
 
 # %% tags=["parameters", "hide-input"]
 profile: str = "book"  # size profile

@@ -349,8 +349,8 @@ notes.answer(
     **Answer.** In our camera noise, in the paper's perhaps too: a simulated camera has {error:.0f}
     mm rms on the dark feathers of an owl of our own, and {bias:.1f} mm without noise. The simulated
     GHz scan has the depth of {photon:.0f} % of the owl's points within half a wrap at the photon
-    limit by this book's `surfaces`, of {captures:.0f} % with the captures' phase noise by our version
-    of the paper's network. [Chapter 21](21_scanned_scenes.ipynb) counts right wraps.
+    limit by this book's `surfaces`, of {captures:.0f} % with the captures' phase noise by our
+    version of the paper's network. [Chapter 21](21_scanned_scenes.ipynb) counts right wraps.
     """,
     error=1e3 * rms(error["owl"][dark]),
     bias=1e3 * rms(bias["owl"][dark]),

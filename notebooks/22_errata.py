@@ -252,9 +252,9 @@ holds[22] = gains[0] / gains[1] > 1.9
 #
 # ### 30 · Small contradictions
 # The modulators' bandwidth is «only a few MHz» (Section 1), elsewhere «20 MHz» (6.1); the generator
-# is an SDG2042X (7.3) and an SDG2024X (8.1); the MHz camera errs by «cm to 10 cm» on dark surfaces and by 200 mm on the owl;
-# OneCycle is no fixed ratio, here «0.995 per epoch» (8.1); the ℓ1 term is plain in Eq. 7 and
-# «smooth» below it.
+# is an SDG2042X (7.3) and an SDG2024X (8.1); the MHz camera errs by «cm to 10 cm» on dark surfaces
+# and by 200 mm on the owl; OneCycle is no fixed ratio, here «0.995 per epoch» (8.1); the ℓ1 term is
+# plain in Eq. 7 and «smooth» below it.
 
 # %% tags=["hide-input"]
 table4 = {
@@ -484,7 +484,8 @@ holds[25] = mae < 1e3 * said("table4.rf.mae_diffuse") - 1
 # %% [markdown]
 # ### 26 · Fringes between steps
 # The interferometer was unwrapped sequentially. If its readings were 50 µm apart, as those of the
-# time of flight, each step is 188 fringes: neighbouring positions do not determine the fringe. Counting needs phases measured while the stage moved.
+# time of flight, each step is 188 fringes: neighbouring positions do not determine the fringe.
+# Counting needs phases measured while the stage moved.
 
 # %%
 fringes = said("sec8.sweep_step") / (LASER_WAVELENGTH / 2)
