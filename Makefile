@@ -25,7 +25,7 @@ ifneq ($(words $(CORES))$(NO_DIGITS),1)
 $(error Expected CORES as a number, got «$(CORES)». Try CORES=2)
 endif
 # a killed run leaves Snakemake's own lock behind, but never this one
-WAIT := Another make builds here, or what a killed one left does: pgrep -af snakemake. Waiting for it.
+WAIT := Waiting for another make to end. If none runs, a killed one left its Snakemake: pgrep -af snakemake
 ONE_AT_A_TIME := $(if $(shell command -v flock),{ flock -n build/.lock true || echo "$(WAIT)"; } && \
 	flock build/.lock )
 SNAKEMAKE := $(BIN)/snakemake $(if $(ONE_AT_A_TIME),--nolock) --cores $(CORES) --keep-going \

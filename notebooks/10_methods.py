@@ -286,10 +286,11 @@ for name in (
 
 # %% [markdown]
 # The rows of Phasor, CRT and KDE may not be like for like: the paper does not say among how many
-# wraps they choose. Random answers among 21 equally frequent ones are right in 4.8 % and off by ten
-# or more in 30 %; the paper's Phasor has 0.74 and 84.4 %, so that there were probably more. Its KDE
-# row, 9.5 / 18.6 / 27.0 %, is near the score of the middle of 21 with errors in fractions of a
-# wrap, 9.5 / 19.0 / 28.6 %, but not its δ ≥ 10, 8.9 against 4.8 %.
+# wraps they choose. Random answers among 21 equally frequent ones are right in 1/21 = 4.8 % and off
+# by ten or more in 132/441 = 30 %; the paper's Phasor has 0.74 and 84.4 %, so that there were
+# probably more. Its KDE row, 9.5 / 18.6 / 27.0 %, is near the score of the middle of 21 with errors
+# in fractions of a wrap, 2/21, 4/21 and 6/21 = 9.5 / 19.0 / 28.6 %, but not its δ ≥ 10, 8.9 %
+# against 1/21.
 #
 # ## Confidences
 #

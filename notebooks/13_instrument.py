@@ -337,8 +337,8 @@ for mode, one in here.items():
 #
 # ## Two noise cases
 #
-# Real captures of such an instrument are far noisier ([chapter 7](07_captures.ipynb)), 0.08 to 0.13
-# rad at 7.15 GHz. The *captures' noise* is therefore a second case beside this *photon limit*: the
+# Captures of a later instrument are far noisier ([chapter 7](07_captures.ipynb)), 0.08 to 0.13 rad
+# at 7.15 GHz. The *captures' noise* is therefore a second case beside this *photon limit*: the
 # phase between both drives fluctuates from step to step, in part correlated with the point before.
 # Its level and grain, 0.117 rad a point and a correlation of 0.17, are means over three of five
 # published scans, of which one has 0.45 and two hardly any. At 14.32 GHz the same value in radians

@@ -126,7 +126,7 @@ def test_a_frame_that_fails_takes_no_other_with_it(fails):
 def test_a_broken_file_takes_no_other_with_it(run, measured):
     measured.save("whole.nc")
     Path("broken.nc").write_bytes(b"no measurement")
-    code, out, err = run("unwrap broken.nc whole.nc -o found --method crt")
+    code, out, err = run("unwrap broken.nc none.nc whole.nc -o found --method crt")
     assert code == 1
     assert "whole.nc" in out
     assert err.startswith("cmtof: left out broken.nc. Expected a whole netCDF4 file")

@@ -114,7 +114,7 @@ def _unwrap_each(
     for path, target in files.items():
         try:
             rows.append(_unwrap_one(path, target, ply, how, advance))
-        except ValueError as error:
+        except (OSError, ValueError) as error:
             if len(files) == 1:
                 raise
             line = f"cmtof: left out {path.name}. {error_line(error)}"

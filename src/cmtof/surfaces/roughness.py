@@ -90,8 +90,7 @@ def roughness(owner: Numbers, sums: Array, information: Array, count: int) -> Ar
     by_high = -np.log(high) / 2
     found = np.minimum(by_low, by_high)
     alike = high - low**4 > _ALIKE
-    even = found < _EVEN
-    return np.where(alike | even, 0, found)
+    return np.where(alike | (found < _EVEN), 0, found)
 
 
 def pooled_phasors(
