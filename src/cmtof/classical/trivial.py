@@ -1,6 +1,7 @@
 """Estimates that ignore what was measured, as baselines for other methods."""
 
 import numpy as np
+from scipy import stats
 
 from cmtof.correlation import wrap_count_from_depth, wrap_length
 from cmtof.estimate import Estimate, guess_probability, within_range
@@ -30,10 +31,7 @@ def mode(measurement: Measurement) -> Estimate:
     known = truth[measurement.mask & np.isfinite(truth)].astype(float)
     if not known.size:
         return middle(measurement)
-    wraps, counts = np.unique(
-        wrap_count_from_depth(known, frequency), return_counts=True
-    )
-    most = counts.argmax()
-    depth = np.full(measurement.shape, (wraps[most] + 0.5) * wrap_length(frequency))
-    share = np.full(measurement.shape, counts[most] / counts.sum())
+    most = stats.mode(wrap_count_from_depth(known, frequency))
+    depth = np.full(measurement.shape, (most.mode + 0.5) * wrap_length(frequency))
+    share = np.full(measurement.shape, most.count / known.size)
     return Estimate(within_range(depth, measurement), share)
