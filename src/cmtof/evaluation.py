@@ -166,24 +166,23 @@ class Evaluation:
 
     Call `add` for each frame, in order; the noise of frame i is drawn from (seed, i), and every
     method sees the same. ``conditions`` are options of `cmtof.simulation.simulate`. A method that
-    fails, as for want of a package, goes from ``methods`` to ``missing``, unless all do.
+    fails, as for want of a package, is left out and goes to ``missing``, unless all do.
     """
 
     def __init__(self, methods: Sequence[str], **conditions: Any) -> None:
-        self.methods = [find_method(name).name for name in methods]
         self.options: Fields = {}  # of every method, such as weights
         self.conditions = conditions
         self.frames: list[str] = []
         self.missing: dict[str, Exception] = {}
         self.notes: Texts = {}  # by frame
-        self._tallies = {name: Tally() for name in self.methods}
+        self._tallies = {find_method(name).name: Tally() for name in methods}
         self._coverage = 0.0
         self._simulated: Named = {}  # attributes of the last measurement
 
     def add(self, frame: Frame) -> Iterator[str]:
         """Simulate the next frame and run every method on it, yielding each name when done."""
         measurements = measure_frame(
-            frame, self.methods, number=len(self.frames), **self.conditions
+            frame, self._tallies, number=len(self.frames), **self.conditions
         )
         tallies = deepcopy(
             self._tallies
@@ -205,7 +204,6 @@ class Evaluation:
         for name in failed:
             del tallies[name]
         self._tallies = tallies
-        self.methods = [*tallies]
         self.frames.append(frame.name)
         if frame.note:
             self.notes[frame.name] = frame.note
