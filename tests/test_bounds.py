@@ -6,6 +6,7 @@ from pytest import approx, mark
 from scipy.differentiate import hessian
 
 from cmtof import bounds
+from cmtof.bounds import simulated_phase_noise
 from cmtof.constants import FREQUENCIES
 from cmtof.correlation import (
     TAU,
@@ -29,11 +30,6 @@ def errors(intensity, rng, phase=0.9):
     return centred(phase_from_correlation(counts, PSI) - phase)
 
 
-def linear(intensity):
-    signal = 20_000 * intensity
-    return bounds.linear_phase_noise(signal / np.pi, signal / 2 + 1200**2, 4)
-
-
 def odds(noise):
     """Odds of the right wrap by the formula, from two phases of equal noise."""
     return bounds.wrap_probability(noise, noise, frequencies=FREQUENCIES)
@@ -49,7 +45,7 @@ def test_phase_noise_meets_the_bound_where_it_is_small(rng, phase):
 @mark.parametrize("intensity", [1.0, 0.3, 0.1, 0.05])
 def test_phase_noise_follows_the_exact_law_everywhere(rng, intensity):
     assert errors(intensity, rng).std() == approx(
-        bounds.phase_spread(linear(intensity)), rel=0.03
+        bounds.phase_spread(simulated_phase_noise(intensity)), rel=0.03
     )
 
 
@@ -80,7 +76,7 @@ def test_fisher_information_is_the_curvature_of_the_likelihood():
 
 
 def test_pooling_the_needed_pixels_gives_the_stated_odds():
-    noise = linear(1.0)
+    noise = simulated_phase_noise(1.0)
     pixels = bounds.pixels_needed(noise, noise, frequencies=FREQUENCIES, odds=0.8)
     assert odds(noise / np.sqrt(pixels)) == approx(0.8, abs=1e-3)
 
@@ -90,7 +86,7 @@ def test_odds_of_one_pixel_equal_counting(rng, intensity):
     """The beat chooses the wrap of drawn phases; in the dark only the exact law still holds."""
     low, high = FREQUENCIES
     draws = 2_000_000
-    noise = linear(intensity)
+    noise = simulated_phase_noise(intensity)
     real, imaginary = noise * rng.normal(size=(2, 2, draws))
     error = np.angle(1 + real + 1j * imaginary)
     beat = centred(error[1] - 2 * error[0])
