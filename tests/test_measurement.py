@@ -31,7 +31,7 @@ def stack():
 
 def changed(**changes):
     """A valid dataset with some things replaced."""
-    return made().dataset.copy(deep=True).assign(changes)
+    return made().dataset.assign(changes)
 
 
 def made(**more):

@@ -14,8 +14,13 @@ from cmtof_book.provenance import OUTPUT_VARIABLE
 
 SIDE = np.linspace(-1, 1, 60)
 BOWL = 0.8 + 0.2 * (SIDE**2 + SIDE[:, None] ** 2)  # m
-SCALE = ("viridis", (0.8, 1.2), "range (m)")
-LAYER = views.Layer(points_from_depth(BOWL, (100, 100, 30, 30)), BOWL, *SCALE)
+LAYER = views.Layer(
+    points_from_depth(BOWL, (100, 100, 30, 30)),
+    BOWL,
+    "viridis",
+    (0.8, 1.2),
+    "range (m)",
+)
 VIEW = {"longest": 0.05, "eye": (-0.3, -0.3, 0.0)}
 LAYERS = {"depth": LAYER, "truth": LAYER._replace(points=LAYER.points + 0.1)}
 

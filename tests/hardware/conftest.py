@@ -11,8 +11,8 @@ def world_of(monkeypatch, own_folder):
     """Maker of the peers of a rig before a scene; what the host waits for passes on their clock."""
     made = []
 
-    def make(rig, scene=None, seed=0):
-        world = World(rig, scene, seed=seed)
+    def make(rig, **before):
+        world = World(rig, **before)
         made.append(world)
         host = SimpleNamespace(monotonic=world.now, sleep=world.sleep, time=world.date)
         for module in ("apt", "rf", "scpi"):
@@ -29,4 +29,4 @@ def world_of(monkeypatch, own_folder):
 @fixture
 def world(world_of):
     """Peers of a rig before a wall."""
-    return world_of(RIG, WALL, seed=4)
+    return world_of(RIG, scene=WALL, seed=4)

@@ -9,7 +9,6 @@ from cmtof_lab.instrument import Panel, RfKnobs
 ORDER = {"single": 1, "doubled": 2}
 DRIVE = {"single": 7.15e9, "doubled": 7.16e9}
 PLATE = {"single": np.deg2rad(11.25), "doubled": np.deg2rad(22.5)}
-MODES = ("single", "doubled")
 EDGES = np.arange(320) // 20
 PSI = nominal_psi(16)
 

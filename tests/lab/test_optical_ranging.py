@@ -13,8 +13,6 @@ from cmtof_lab.rehearsal import scan_scene
 from cmtof_lab.settings import TwinSettings
 from cmtof_lab.targets import MIRROR, PLATE, Plane
 
-NOISY = TwinSettings.ideal(noise=True)
-AIR = TwinSettings.ideal(pressure=101325.0)
 STEPS = np.linspace(0, 1e-3, 5)
 STILL = {"stage_error": 0.0, "air_change": (0.0, 0.0)}
 
@@ -37,7 +35,7 @@ def test_counts_are_those_of_a_scan(mode):
 @mark.parametrize(("mode", "target"), [("single", PLATE), ("doubled", MIRROR)])
 def test_noise_alone_meets_the_bound(mode, target):
     """5000 estimates and the zeros of 50 days fix a standard deviation to 1.5 %."""
-    ranger = OpticalRanger(NOISY, mode, visits=8, **STILL)
+    ranger = OpticalRanger(TwinSettings.ideal(noise=True), mode, visits=8, **STILL)
     places = np.linspace(0, 1e-3, 100)
     errors = ranger.sweep(target, places, repeats=50, seed=2) - 0.6 - places
     pulls = errors / ranger.bound(target, places)
@@ -47,7 +45,8 @@ def test_noise_alone_meets_the_bound(mode, target):
 @mark.parametrize(("mode", "most"), [("single", 1e-6), ("doubled", 3e-6)])
 def test_without_errors_the_range_is_right(mode, most):
     """Of a plate's light the doubled mode leaves 280 counts of amplitude, and they are rounded."""
-    ranger = OpticalRanger(AIR, mode, visits=8, **STILL)
+    air = TwinSettings.ideal(pressure=101325.0)
+    ranger = OpticalRanger(air, mode, visits=8, **STILL)
     errors = ranger.sweep(PLATE, STEPS, repeats=1, seed=0) - 0.6 - STEPS
     assert np.abs(errors).max() < most
 

@@ -49,10 +49,13 @@ def card(model="fast-scnn-light", protocol="released", **changes):
     """Card of weights that have been trained, as if of another model."""
     first, classes = CLASSES[protocol]
     held = read_card(weights_path("fast-scnn-light", "released"))
-    model = {"model": model, "protocol": protocol}
-    return held.model_copy(
-        update=model | {"first_wrap": first, "classes": classes} | changes
-    )
+    told = {
+        "model": model,
+        "protocol": protocol,
+        "first_wrap": first,
+        "classes": classes,
+    }
+    return held.model_copy(update=told | changes)
 
 
 @fixture
