@@ -75,10 +75,10 @@ def skellam_gaussian(
 
     From the expected counts of the two buckets; mean ``a - b``, variance ``a + b + sigma^2``.
     """
-    a, b = np.broadcast_arrays(np.asarray(bucket_a, float), np.asarray(bucket_b, float))
-    _check_counts(np.array([a, b]), sigma)
-    difference = (rng.poisson(a) - rng.poisson(b)).astype(float)
-    return difference + sigma * rng.standard_normal(a.shape)
+    means = np.array(np.broadcast_arrays(bucket_a, bucket_b), float)
+    _check_counts(means, sigma)
+    a, b = rng.poisson(means)
+    return (a - b).astype(float) + sigma * rng.standard_normal(means.shape[1:])
 
 
 def quantise(signal: ArrayLike, *, bits: int, full_scale: float) -> Array:
