@@ -1,7 +1,6 @@
 """Estimates that ignore what was measured, as baselines for other methods."""
 
 import numpy as np
-from scipy import stats
 
 from cmtof.correlation import wrap_count_from_depth, wrap_length
 from cmtof.estimate import Estimate, guess_probability, within_range
@@ -25,6 +24,8 @@ def uniform(measurement: Measurement) -> Estimate:
 
 def mode(measurement: Measurement) -> Estimate:
     """The image's most frequent true wrap for every pixel, with its share as the confidence."""
+    from scipy import stats  # slow to load
+
     frequency = measurement.frequencies[0]
     truth = measurement.depth
     assert truth is not None  # `Method` has made sure
