@@ -21,6 +21,7 @@ _APART = 2  # px between pixels whose beats are compared: the grain of a scan is
 _CLEAR = 0.2  # variance, rad^2, of the difference of two beats up to which they are
 _FEW = 1000  # number of such differences that is too few to tell
 _EXCESS = 0.5  # share of the expected variance up to which more of it may be chance
+_MEDIAN = 2 * gammaincinv(0.5, 0.5)  # of chi squared; scipy.stats is slow to load
 _LEAST = 0.02  # noise, rad, up to which depth may have done it
 
 
@@ -126,9 +127,7 @@ def hidden_noise(measurement: Measurement, seen: Array) -> float:
     if clear.sum() < _FEW:
         return 0.0
     expected = np.median(expected[clear])
-    # over the median of chi squared, without scipy.stats, which is slow to load
-    middle = 2 * gammaincinv(0.5, 0.5)
-    excess = np.median(centred(steps[clear]) ** 2) / middle - expected
+    excess = np.median(centred(steps[clear]) ** 2) / _MEDIAN - expected
     least = max(_EXCESS * expected, 2 * (1 + multiple**2) * _LEAST**2)
     return float(np.sqrt(excess / 2 / (1 + multiple**2))) if excess > least else 0.0
 
