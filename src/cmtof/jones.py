@@ -50,7 +50,8 @@ def retarder(retardance: ArrayLike, angle: ArrayLike = 0.0) -> JonesMatrix:
     r"""Linear retarder, :math:`R(\theta)\,\mathrm{diag}(e^{-i\Gamma/2}, e^{i\Gamma/2})R(-\theta)`.
 
     ``retardance`` is the phase difference Gamma between the axes and ``angle`` the direction theta
-    of the slow axis, rad; the matrix has the shape (..., 2, 2).
+    of the slow axis, rad; the matrix has the shape (..., 2, 2). A half-wave plate H(theta) has the
+    retardance pi, a quarter-wave plate Q(theta) pi/2.
 
     A half-wave plate at 22.5 degrees turns horizontal into 45 degrees:
 
@@ -65,20 +66,6 @@ def retarder(retardance: ArrayLike, angle: ArrayLike = 0.0) -> JonesMatrix:
     along = 1j * s * np.cos(double)
     across = -1j * s * np.sin(double)
     return _matrix(c - along, across, across, c + along)
-
-
-def half_wave_plate(
-    angle: ArrayLike = 0.0, *, retardance_error: ArrayLike = 0.0
-) -> JonesMatrix:
-    """Half-wave plate H(theta), slow axis at ``angle``, rad; error in its retardance, rad."""
-    return retarder(np.pi + np.asarray(retardance_error), angle)
-
-
-def quarter_wave_plate(
-    angle: ArrayLike = 0.0, *, retardance_error: ArrayLike = 0.0
-) -> JonesMatrix:
-    """Quarter-wave plate Q(theta), slow axis at ``angle``, rad; error in its retardance, rad."""
-    return retarder(np.pi / 2 + np.asarray(retardance_error), angle)
 
 
 def eom(

@@ -108,12 +108,9 @@ class TwoPassModulator:
         q = self.quarter_wave_angle + self.quarter_wave_angle_error
         off = self.eom_angle_error
         static = self.static_retardance
-        half = partial(
-            jones.half_wave_plate, retardance_error=self.half_wave_retardance_error
-        )
+        half = partial(jones.retarder, np.pi + self.half_wave_retardance_error)
         quarter = partial(
-            jones.quarter_wave_plate,
-            retardance_error=self.quarter_wave_retardance_error,
+            jones.retarder, np.pi / 2 + self.quarter_wave_retardance_error
         )
         splitter = partial(
             jones.polarising_beam_splitter,
