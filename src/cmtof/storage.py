@@ -63,7 +63,7 @@ def open_netcdf(path: AnyPath) -> Iterator[Dataset]:
     try:  # h5netcdf's destructor would print a traceback of its own for a damaged file
         handle = _open_handle(path)
     except Exception as error:
-        reason = _error_of_file(path, error)
+        reason = unreadable_error("a whole netCDF4 file", path, error)
     finally:
         if reason:
             gc.collect()
@@ -92,11 +92,6 @@ def _open_handle(path: Path) -> Dataset:
     return handle
 
 
-def _error_of_file(path: object, error: Exception) -> ValueError:
-    """ValueError of one line for any error with which a netCDF file could not be read."""
-    return unreadable_error("a whole netCDF4 file", path, error, "Write it again.")
-
-
 def _with_dimension_names(handle: Dataset) -> Dataset:
     """The dataset with the dimensions of `VARIABLES` where plain HDF5 does not name them."""
     variables = {}
@@ -118,8 +113,10 @@ def load_into_memory(dataset: Dataset) -> Dataset:
     except (
         Exception
     ) as error:  # h5py raises OSError, KeyError and RuntimeError by kind of damage
-        raise _error_of_file(
-            dataset.encoding.get("source", "a part of it"), error
+        raise unreadable_error(
+            "a whole netCDF4 file",
+            dataset.encoding.get("source", "a part of it"),
+            error,
         ) from error
 
 
