@@ -117,10 +117,6 @@ def staged_depth(
     """
     depth = np.asarray(depth, float)
     known = np.isfinite(depth)
-    if not known.any():
-        raise ValueError(
-            "Expected a depth map with known pixels, got none. Use another frame."
-        )
     if protocol == "released":
         step = float(wrap_length(frequencies[0]))
         limits = (RELEASED_WRAPS[0] * step, RELEASED_WRAPS[1] * step)

@@ -189,8 +189,10 @@ def _unwrap_tiles(
             for seen, inner, place in tiles(dataset, tile, margin):
                 result = (
                     unwrap(seen, **how)
-                    .drop_dims(("number", "offset"), errors="ignore")
-                    .drop_vars("component", errors="ignore")
+                    .drop_vars(
+                        ["component", "component_odds", "number", "offset"],
+                        errors="ignore",
+                    )
                     .isel(inner)
                 )
                 _write_tile(file, result, place)

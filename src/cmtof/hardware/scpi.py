@@ -29,10 +29,10 @@ from cmtof.hardware.roles import Waiting
 from cmtof.types import Texts
 
 
-def open_visa(address: str, timeout: float = 1.0, library: str = "@py") -> Any:
+def open_visa(address: str, timeout: float = 1.0) -> Any:
     """Open a VISA resource, as ``TCPIP::192.168.1.20::5025::SOCKET``, or raise `ConnectionLost`."""
     with one_error(f"an instrument at {address}", ConnectionLost):
-        resource: Any = pyvisa.ResourceManager(library).open_resource(address)
+        resource: Any = pyvisa.ResourceManager("@py").open_resource(address)
         resource.read_termination = resource.write_termination = "\n"
         resource.timeout = 1e3 * timeout  # ms
         return resource

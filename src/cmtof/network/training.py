@@ -271,7 +271,8 @@ def train(
         logging.getLogger("lightning.pytorch").setLevel(logging.ERROR)
         warnings.filterwarnings("ignore", module="lightning.*")
         module = Unwrapping(config, open_rooms(config, find_tree), last, init)
-        module.end = np.inf if minutes is None else module.began + 60 * minutes
+        if minutes is not None:
+            module.end = module.began + 60 * minutes
         trainer = _trainer(config, enable_progress_bar=not quiet, **flags)
         try:
             trainer.fit(module, ckpt_path=last if begun else None, weights_only=True)
