@@ -80,7 +80,7 @@ def checked_dataset(dataset: Dataset) -> Dataset:
         checked_camera(data["camera"].to_numpy(), "the measurement")
     if "correlation" in data:
         for steps in data["psi"].to_numpy():
-            check_psi(np.asarray(steps, float))
+            check_psi(steps)
     data.attrs = {
         "range_min": 0.0,
         "range_max": unambiguous_range(frequencies),

@@ -116,7 +116,7 @@ def hidden_noise(measurement: Measurement, seen: Array) -> float:
     multiple = round(ratio)
     if abs(ratio - multiple) > _SLOW:
         return 0.0
-    beat = measurement.phase[1].astype(float) - multiple * measurement.phase[0]
+    beat = measurement.phase[1] - multiple * measurement.phase[0]
     noise = np.where(
         measurement.mask, seen[1] ** 2 + multiple**2 * seen[0] ** 2, np.inf
     )
@@ -139,7 +139,7 @@ def seen_noise(measurement: Measurement) -> Array:
     only phases or three steps were kept, infinite without signal.
     """
     amplitude = measurement.amplitude[:2]
-    known = np.isfinite(amplitude) & (amplitude > 0)
+    known = amplitude > 0
     dataset = measurement.dataset
     if "correlation" not in dataset or dataset.sizes["step"] < 4:
         return np.where(known, 1.0, np.inf)

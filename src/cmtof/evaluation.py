@@ -45,11 +45,8 @@ def scored_pixels(result: xr.Dataset, measurement: Measurement) -> Pixels:
         raise ValueError(
             "Expected a measurement with its true depth, got none. Simulate one."
         )
-    confidence = result["confidence"].to_numpy()
-    scored = measurement.mask & (
-        confidence >= float(result.attrs.get("min_confidence", 0))
-    )
-    scored &= np.isfinite(truth)
+    scored = measurement.mask & np.isfinite(truth)
+    scored &= result["wrap_count"].to_numpy() >= 0
     if not scored.any():
         raise ValueError(
             "Expected at least one scored pixel, got none. Check mask and range."
@@ -74,7 +71,7 @@ def scored_pixels(result: xr.Dataset, measurement: Measurement) -> Pixels:
         "consistent": consistent_wrap_count(estimate, phase, frequency),
         "true_consistent": consistent_wrap_count(depth, phase, frequency),
         "depth_error": estimate - depth,
-        "confidence": confidence[scored],
+        "confidence": result["confidence"].to_numpy()[scored],
     }
 
 

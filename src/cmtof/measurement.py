@@ -93,9 +93,10 @@ class Measurement:
         stored = self._image("amplitude")
         amplitude = np.ones_like(phase) if stored is None else stored.astype(float)
         known = np.isfinite(phase) & np.isfinite(amplitude)
-        unknown = np.full_like(phase, np.nan)
         return Decoded(
-            np.where(known, phase, 0), np.where(known, amplitude, unknown), unknown
+            np.where(known, phase, 0),
+            np.where(known, amplitude, np.nan),
+            np.full_like(phase, np.nan),
         )
 
     @property
@@ -247,15 +248,15 @@ def _dataset(variables: Fields, coordinates: Named, more: Fields) -> Dataset:
 def _valid_pixels(
     images: Mapping[str, ArrayLike], mask: ArrayLike | None
 ) -> NDArray | None:
-    """1 (H, W) where neither the mask nor a masked array hides a pixel; None if all are valid."""
+    """Zero or NaN (H, W) where the mask or a masked array hides a pixel; None if none does."""
     parts = []
     if mask is not None:
-        parts.append(np.nan_to_num(numbers(np.ma.filled(mask, 0), "mask")) != 0)
+        parts.append(numbers(np.ma.filled(mask, 0), "mask"))
     for image in images.values():
         if np.ma.is_masked(image):
             hidden = np.ma.getmaskarray(image)  # pyright: ignore[reportArgumentType, reportCallIssue]
             parts.append(~hidden.any(axis=tuple(range(hidden.ndim - 2))))
-    return np.logical_and.reduce(parts).astype(np.int8) if parts else None
+    return np.prod(parts, axis=0) if parts else None
 
 
 def open_measurement(path: AnyPath) -> Measurement:

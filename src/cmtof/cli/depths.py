@@ -146,10 +146,10 @@ def _unwrap_one(
         if ply is not None:
             points = write_ply(
                 ply,
-                result["depth"].to_numpy(),
+                result.depth,
                 opened.camera,
                 brightness=opened.amplitude[0],
-                confidence=result["confidence"].to_numpy(),
+                confidence=result.confidence,
             )
             print(f"{ply}: {points} points")
         advance(path.name, share)

@@ -33,7 +33,7 @@ def finished_measurement(output: Path, plan: Plan) -> Measurement:
     old = json.loads(measurement.dataset.attrs.get("settings", "{}"))
     check_settings(
         output,
-        old | {"size": list(measurement.mask.shape)},
+        old | {"size": list(measurement.shape)},
         plan.rig.as_dict() | {"size": list(plan.angles.shape[:2])},
     )
     return measurement

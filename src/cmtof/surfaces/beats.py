@@ -8,13 +8,12 @@ both. It hardly counts, as far as it is clear enough to be told from the others.
 import numpy as np
 
 from cmtof.correlation import TAU, centred
-from cmtof.surfaces.field import ENOUGH, Field
+from cmtof.surfaces.field import ENOUGH, Field, sum_nearby
 from cmtof.surfaces.roughness import (
     Cells,
     departure,
     pooled_phasors,
     sum_cells,
-    sum_nearby,
     turn_both_back,
 )
 from cmtof.types import Array, Arrays
@@ -86,10 +85,12 @@ def cell_phasors(field: Field, cells: Cells) -> Array:
     """Phasors (2, h, w) of cells without what moves both alike."""
     sums = cells.sums
     multiple = field.multiple
-    if cells.rough.any():  # pixels are turned back by their own departure first
-        rough = np.append(cells.rough, 0)[cells.label]
+    rough = np.append(cells.rough, 0)[cells.label]
+    if rough.any():  # pixels are turned back by their own departure first
         off = departure(field, cells.turned, rough)
-        turned = turn_both_back(field, cells.turned, off)
+        turned = cells.turned.copy()
+        there = off != 0
+        turned[:, there] = turn_both_back(field, turned[:, there], off[there])
         sums = sum_cells(turned, cells.side)
     near = _with_neighbours(cells, sums) if cells.side > 1 else sums
     low = np.angle(near[0])

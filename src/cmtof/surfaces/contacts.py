@@ -19,9 +19,9 @@ from scipy.special import expit, softmax
 from cmtof.classical.region import groups
 from cmtof.correlation import TAU
 from cmtof.estimate import Components
-from cmtof.surfaces.field import Field
+from cmtof.surfaces.field import Field, sums_near
 from cmtof.surfaces.placing import Offsets
-from cmtof.surfaces.roughness import sum_nearby, turn_back
+from cmtof.surfaces.roughness import turn_back
 from cmtof.surfaces.shapes import depth_of_labels, depth_of_pixels
 from cmtof.types import Array, Numbers
 
@@ -115,18 +115,18 @@ def _jumps(
         np.subtract(*(depth_of_pixels(field, surfaces, n, *place) for n in pairs))
         for place in zip(*np.divmod(at, label.shape[1]), strict=True)
     )
-    here, beyond = _departures(field, label, surfaces)[at]
+    here, beyond = _departures(field, label, surfaces, at)
     jump = (one + other) / 2 / field.period + here - beyond
     slope = np.abs(one - other) / field.period
     return np.array([jump, np.minimum(slope, 1)])
 
 
-def _departures(field: Field, label: Numbers, surfaces: Array) -> Array:
-    """Mean departure (H W,), wraps, of the pixels about each from their common surface."""
+def _departures(field: Field, label: Numbers, surfaces: Array, at: Numbers) -> Array:
+    """Mean departure (2, C), wraps, of the pixels about some from their common surface."""
     depth = np.nan_to_num(depth_of_labels(field, label, surfaces))
-    turned = np.where(label < 0, 0, turn_back(field, depth)[0])
-    total = sum_nearby(turned, label, _NEAR)
-    return np.angle(total).ravel() / TAU
+    turned = turn_back(field, depth, 1)
+    total = sums_near(at.ravel(), turned, label, _NEAR)
+    return np.angle(total).reshape(at.shape) / TAU
 
 
 def _evidence(step: Array, tilt: Array) -> tuple:

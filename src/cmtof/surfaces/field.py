@@ -11,6 +11,7 @@ from typing import NamedTuple
 import numpy as np
 from scipy.ndimage import uniform_filter
 
+from cmtof.compiled import njit
 from cmtof.constants import SPEED_OF_LIGHT
 from cmtof.correlation import TAU
 from cmtof.estimate import hidden_noise, seen_noise
@@ -94,20 +95,17 @@ def field_from_measurement(measurement: Measurement) -> Field:
 
 def _weighted_phasors(measurement: Measurement) -> tuple[Complex, Array]:
     """P and K, (2, H, W) each."""
-    phase = measurement.phase[:2].astype(float)
     spread = seen_noise(measurement)
-    known = np.isfinite([phase, measurement.amplitude[:2], spread]).all(axis=(0, 1))
-    ratio = np.where(known, 1 / np.maximum(np.where(known, spread, 1), _SHARPEST), 0)
+    known = np.isfinite(spread).all(axis=0)
+    ratio = np.where(known, 1 / np.maximum(spread, _SHARPEST), 0)
     information = ratio**2  # phases alone do not say how noisy they are
     if "correlation" in measurement.dataset and measurement.dataset.sizes["step"] > 3:
         information = _smooth_power(information, known)  # pyright: ignore[reportArgumentType]
     # P = a p / s^2 with the smoothed a / s and this pixel's own p / s
-    size = np.sqrt(information) * ratio
-    turned = np.where(known, phase, 0)
     left = 1 / (1 + information * hidden_noise(measurement, spread) ** 2)
-    size *= left
+    size = np.sqrt(information) * ratio * left
     information = information * left
-    phasor = size * np.exp(1j * turned)
+    phasor = size * np.exp(1j * measurement.phase[:2])
     return phasor.astype(np.complex64), information.astype(np.float32)
 
 
@@ -138,3 +136,26 @@ def _smooth_power(power: Array, known: Flags) -> Array:
 def pixels_of_cells(cells: Numbers, side: int = CELL) -> Numbers:
     """Image (H, W) that shows the value of its cell (h, w) in each pixel."""
     return cells.repeat(side, 0).repeat(side, 1)
+
+
+def sum_nearby(images: Array, main: Numbers, radius: int) -> Array:
+    """Sum of images (..., h, w) over the cells of the same surface within a radius."""
+    flat = images.reshape(-1, *main.shape)
+    found = sums_near(np.arange(main.size), flat, main, radius)
+    return found.reshape(images.shape)
+
+
+@njit()
+def sums_near(places, images, main, radius):  # pragma: no cover - compiled
+    """Sums (n, P) of images (n, h, w) as `sum_nearby` has them, at cells by their numbers (P,)."""
+    out = np.zeros((len(images), places.size), images.dtype)
+    for i, place in enumerate(places):
+        y, x = divmod(place, main.shape[1])
+        top = max(0, y - radius)
+        left = max(0, x - radius)
+        near = main[top : y + radius + 1, left : x + radius + 1]
+        for v, u in np.ndindex(near.shape):
+            if near[v, u] == main[y, x]:
+                for n in range(len(images)):
+                    out[n, i] += images[n, top + v, left + u]
+    return out

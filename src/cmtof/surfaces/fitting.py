@@ -14,7 +14,7 @@ from cmtof.surfaces.blocks import (
     depths_of_blocks,
     functions_of_blocks,
 )
-from cmtof.surfaces.field import CELL, Field
+from cmtof.surfaces.field import CELL, Field, pixels_of_cells
 from cmtof.surfaces.shapes import (
     BENT,
     PLANE,
@@ -258,12 +258,12 @@ def fit_surfaces(
     And the fit (N, 16): offset that is lacking, wraps; its inverse variance; what a plane misses,
     m (rms); by how much a wrap bends a plane, m; for planes `change_by_a_wrap`.
     """
-    columns = label.shape[1] // CELL
-    count = label.size // CELL**2
-    y, x = np.nonzero(label >= 0)
-    cell = y // CELL * columns + x // CELL
+    shape = np.array(label.shape) // CELL
+    count = shape.prod()
     # one entry for each surface and cell that share pixels
-    pairs = np.unique(label[y, x].astype(np.int64) * count + cell)
+    pairs = label * count + pixels_of_cells(np.arange(count).reshape(shape))
+    pairs = pairs[label >= 0]
+    pairs = np.unique(pairs[np.diff(pairs, append=-1) != 0])  # runs first, for speed
     of, cells = np.divmod(pairs, count)
     starts = np.searchsorted(of, np.arange(len(surfaces) + 1))
     label = label.astype(np.int32)

@@ -14,10 +14,9 @@ from functools import partial
 from typing import NamedTuple
 
 import numpy as np
-from scipy.ndimage import distance_transform_edt, median
+from scipy.ndimage import distance_transform_edt, median, uniform_filter
 
-from cmtof.classical.beat import beat, synthetic_frequency
-from cmtof.classical.region import nearest_pixel
+from cmtof.classical.beat import WINDOW, beat_depth, beat_phasor, synthetic_frequency
 from cmtof.estimate import Components, Estimate, within_range
 from cmtof.measurement import Measurement
 from cmtof.surfaces import contacts, placing
@@ -112,8 +111,7 @@ def stages(
     if measurement.camera is None:
         without = {"shape", *without}
     grown = _grow_and_cut(field, without, measurement.camera is not None)
-    everywhere = grown.label[nearest_pixel(grown.label >= 0)]
-    depth = placing.depth_of_labels(field, everywhere, grown.surfaces)
+    depth = placing.depth_of_labels(field, grown.near, grown.surfaces)
     cells = cells_of_surfaces(
         field, grown.inner, depth, len(grown.surfaces), field.side
     )
@@ -130,8 +128,8 @@ def stages(
         prior=prior and partial(prior, depth[inside], masked),
     ).calibrate(CALIBRATION)
     # where there is no surface, the number -1 stands for the last entry
-    depth = depth + field.period * np.append(joined.wraps, 0)[everywhere]
-    slopes = slopes_of_surfaces(depth / field.period, everywhere)
+    depth = depth + field.period * np.append(joined.wraps, 0)[grown.near]
+    slopes = slopes_of_surfaces(depth / field.period, grown.near)
     depth = _add_departures(field, depth, np.append(cells.rough, 0)[grown.label])
     _fill(
         depth[inside],
@@ -149,7 +147,7 @@ def stages(
         touching,
         joined,
         depth,
-        _confidence(field, np.append(joined.odds, 1)[everywhere], grown, votes),
+        _confidence(field, np.append(joined.odds, 1)[grown.near], grown, votes),
         contacts.components(joined, masked),
     )
 
@@ -164,6 +162,7 @@ class GrownSurfaces(NamedTuple):
     surfaces: Array  # parameters and roughness (N, 7)
     fit: Array  # as `fit_surfaces` has it (N, 16)
     distance: Array  # of each pixel from the nearest that lies on a surface (H, W), px
+    near: Numbers  # surface of that pixel
 
 
 def _grow_and_cut(field: Field, without: Collection[str], known: bool) -> GrownSurfaces:
@@ -179,8 +178,10 @@ def _grow_and_cut(field: Field, without: Collection[str], known: bool) -> GrownS
             label, share, inner = placing.pixel_labels(field, owner, surfaces)
     surfaces, fit = fit_surfaces(field, inner, surfaces, (_STEPS, _CELLS), gain)
     off = label < 0
-    distance = np.where(off.all(), np.inf, distance_transform_edt(off))  # pyright: ignore[reportArgumentType, reportCallIssue]
-    return GrownSurfaces(owner, label, share, inner, surfaces, fit, distance)
+    distance, near = distance_transform_edt(off, return_indices=True)  # pyright: ignore[reportGeneralTypeIssues]
+    distance = np.where(off.all(), np.inf, distance)
+    near = label[tuple(near)]
+    return GrownSurfaces(owner, label, share, inner, surfaces, fit, distance, near)
 
 
 def _fit_again(
@@ -224,8 +225,8 @@ def _confidence(field: Field, odds: Array, grown: GrownSurfaces, votes: Array) -
 def _fill(depth: Array, far: Flags, measurement: Measurement) -> None:
     """Give far and unknown pixels the depth of their beat."""
     lost = far | ~np.isfinite(depth)
-    if lost.any():
-        depth[lost] = beat(measurement).depth[lost]
+    mean = uniform_filter(beat_phasor(measurement), WINDOW)
+    depth[lost] = beat_depth(np.angle(mean[lost]), measurement)
 
 
 def _add_departures(field: Field, depth: Array, rough: Array) -> Array:

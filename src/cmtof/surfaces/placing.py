@@ -14,9 +14,9 @@ from cmtof.compiled import njit
 from cmtof.correlation import TAU
 from cmtof.surfaces.beats import Beats, cell_phasors, lags_of_phasors
 from cmtof.surfaces.blocks import pixel_likelihood
-from cmtof.surfaces.field import CELL, Field
+from cmtof.surfaces.field import CELL, Field, sum_nearby
 from cmtof.surfaces.growing import owners_around
-from cmtof.surfaces.roughness import cells_of_surfaces, sum_nearby, sum_surfaces
+from cmtof.surfaces.roughness import cells_of_surfaces, sum_surfaces
 from cmtof.surfaces.shapes import depth_of_labels
 from cmtof.types import Array, Arrays, Flags, Numbers
 

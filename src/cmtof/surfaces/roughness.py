@@ -8,14 +8,15 @@ from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy.ndimage import gaussian_filter
+from scipy.ndimage import find_objects, gaussian_filter
 
 from cmtof.surfaces.field import CELL, Field, pixels_of_cells
-from cmtof.types import Array, Arrays, Numbers
+from cmtof.types import Array, Arrays, Flags, Numbers
 
 _EVEN = 0.02  # roughness, rad^2, that an even surface shows as well
 _ALIKE = 0.2  # largest excess of coherence at the higher frequency over that of uneven surfaces
 _NEAR = 1.5  # width, px, of the Gaussian that finds the lobe of a pixel's phases
+_REACH = 6  # px, at which it ends
 _TURNS = 3  # steps towards the likeliest departure of a pixel
 
 
@@ -66,10 +67,10 @@ def _blocks(images: NDArray, side: int) -> NDArray:
     return images.reshape(*others, rows, side, columns, side)
 
 
-def turn_back(field: Field, depth: Array) -> NDArray:
-    """Phasors (2, H, W) turned back by a depth (H, W), m."""
-    wavenumber = field.wavenumber[:, None, None]
-    return field.phasor * np.exp(-1j * wavenumber * depth)
+def turn_back(field: Field, depth: Array, count: int = 2) -> NDArray:
+    """Phasors (2, H, W), or the first ``count`` of them, turned back by a depth (H, W), m."""
+    wavenumber = field.wavenumber[:count, None, None]
+    return field.phasor[:count] * np.exp(-1j * wavenumber * depth)
 
 
 def sum_cells(images: Array, side: int = CELL) -> Array:
@@ -109,21 +110,6 @@ def sum_surfaces(main: Numbers, images: NDArray, count: int) -> Array:
     return out
 
 
-def sum_nearby(images: Array, main: Numbers, radius: int) -> Array:
-    """Sum of images (..., h, w) over the cells of the same surface within a radius."""
-    height, width = main.shape
-    side = 2 * radius + 1
-    edges = [(radius, radius)] * 2
-    padded = np.pad(images, [(0, 0)] * (images.ndim - 2) + edges)
-    owner = np.pad(main, radius, constant_values=-2)
-    out = np.zeros_like(images)
-    for y, x in np.ndindex(side, side):
-        place = np.s_[..., y : y + height, x : x + width]
-        same = owner[place] == main
-        out += np.where(same, padded[place], 0)
-    return out
-
-
 def departure(field: Field, turned: Array, variance: Array) -> Array:
     """Likeliest phase (H, W), rad at the lower frequency, by which pixels depart from a surface.
 
@@ -134,17 +120,23 @@ def departure(field: Field, turned: Array, variance: Array) -> Array:
     rough = variance > 0
     phasors = turned[:, rough]
     variance = variance[rough]
-    multiple = field.multiple
     information = field.information[:, rough]
-    known = variance * (information[0] + multiple**2 * information[1])
-    near = gaussian_filter(turned[0], _NEAR)[rough]
+    known = variance * (information[0] + field.multiple**2 * information[1])
+    box = _box_about(rough)
+    near = gaussian_filter(turned[0][box], _NEAR)[rough[box]]
     found = known / (1 + known) * np.angle(near)
     for _ in range(_TURNS):
         low, high = turn_both_back(field, phasors, found).imag
-        pull = variance * (low + multiple * high) - found
+        pull = variance * (low + field.multiple * high) - found
         found += pull / (1 + known)
     out[rough] = np.clip(found, -np.pi, np.pi)
     return out
+
+
+def _box_about(chosen: Flags) -> tuple[slice, ...]:
+    """Rows and columns of the chosen pixels and of those that the Gaussian adds."""
+    (box,) = find_objects(chosen.astype(int))
+    return tuple(slice(max(0, s.start - _REACH), s.stop + _REACH) for s in box)
 
 
 def turn_both_back(field: Field, phasors: Array, departure: Array) -> Array:

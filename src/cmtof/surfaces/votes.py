@@ -70,8 +70,6 @@ def depth_by_votes(
     close = uniform_filter((explained & close).astype(float), _SQUARE)
     explained = explained & (~clear | (close >= _MOST))
     asked = ~explained & clear
-    if not asked.any():
-        return depth, np.zeros(depth.shape)
     step = abs(field.excess)  # of the misfit from wrap to wrap, turns
     low, high = np.angle(field.phasor).astype(float) / TAU
     ballot = Ballot(

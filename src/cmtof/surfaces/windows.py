@@ -92,7 +92,7 @@ def _peaks(squares: Array, size: int, ratio: float) -> Array:
     rows = fft(squares, size)  # before rows of zeros are added
     spectrum = fft(rows, size, axis=-2)
     low, high = spectrum.real**2 + spectrum.imag**2  # pyright: ignore[reportAttributeAccessIssue]
-    moved = high[:, higher[:, None], higher]
+    moved = high.take(higher, 1).take(higher, 2)
     joint = low + moved
     joint = joint.reshape(-1, size**2)
     best = joint.argmax(axis=1)
