@@ -97,13 +97,10 @@ def _crossings(label: Numbers) -> tuple[Numbers, Numbers]:
     beyond = np.append(pixels[1:], pixels[:, 1:])
     at = np.array([here, beyond])
     pairs = label.ravel()[at]
-    known = pairs.min(axis=0) >= 0
-    crossed = known & (pairs[0] != pairs[1])
-    at = at[:, crossed]
-    pairs = pairs[:, crossed]
-    order = pairs.argsort(axis=0)
-    pairs = np.take_along_axis(pairs, order, axis=0)
-    return pairs, np.take_along_axis(at, order, axis=0)
+    crossed = (pairs.min(axis=0) >= 0) & (pairs[0] != pairs[1])
+    order = pairs[:, crossed].argsort(axis=0)
+    at = np.take_along_axis(at[:, crossed], order, axis=0)
+    return label.ravel()[at], at
 
 
 def _jumps(
@@ -124,8 +121,7 @@ def _jumps(
 def _departures(field: Field, label: Numbers, surfaces: Array, at: Numbers) -> Array:
     """Mean departure (2, C), wraps, of the pixels about some from their common surface."""
     depth = np.nan_to_num(depth_of_labels(field, label, surfaces))
-    turned = turn_back(field, depth, 1)
-    total = sums_near(at.ravel(), turned, label, _NEAR)
+    total = sums_near(at.ravel(), turn_back(field, depth, 1), label, _NEAR)
     return np.angle(total).reshape(at.shape) / TAU
 
 

@@ -104,9 +104,8 @@ def _weighted_phasors(measurement: Measurement) -> tuple[Complex, Array]:
     # P = a p / s^2 with the smoothed a / s and this pixel's own p / s
     left = 1 / (1 + information * hidden_noise(measurement, spread) ** 2)
     size = np.sqrt(information) * ratio * left
-    information = information * left
     phasor = size * np.exp(1j * measurement.phase[:2])
-    return phasor.astype(np.complex64), information.astype(np.float32)
+    return phasor.astype(np.complex64), (information * left).astype(np.float32)
 
 
 def _smooth_power(power: Array, known: Flags) -> Array:

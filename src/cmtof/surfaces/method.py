@@ -231,8 +231,8 @@ def _fill(depth: Array, far: Flags, measurement: Measurement) -> None:
 
 def _add_departures(field: Field, depth: Array, rough: Array) -> Array:
     """Depth (H, W), m, with the departure of each pixel of rough surfaces; clear ones vote."""
-    information = information_of_beats(field, field.information)
-    variance = np.where(information > CLEAR, 0, rough)
+    clear = information_of_beats(field, field.information) > CLEAR
+    variance = np.where(clear, 0, rough)
     if not variance.any():
         return depth
     phase = departure(field, turn_back(field, depth), variance)
