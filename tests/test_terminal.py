@@ -1,6 +1,5 @@
 """Output in any encoding, into closed streams, and of names that would steer a terminal."""
 
-import os
 import subprocess
 import sys
 from pathlib import Path
@@ -21,11 +20,9 @@ def stored(own_folder, measurement_file):
 
 
 @mark.parametrize("encoding", ["cp1252", "ascii", "utf-8"])
-def test_tables_print_in_any_encoding_and_names_as_they_are(encoding):
-    changed = os.environ | {"PYTHONIOENCODING": encoding}
-    ended = subprocess.run(COMMAND, capture_output=True, env=changed)
-    assert ended.returncode == 0, ended.stderr
-    text = ended.stdout.decode(encoding)
+def test_tables_print_in_any_encoding_and_names_as_they_are(encoding, monkeypatch):
+    monkeypatch.setenv("PYTHONIOENCODING", encoding)
+    text = subprocess.check_output(COMMAND, encoding=encoding)
     assert ("δ<1" if encoding == "utf-8" else "d<1") in text
     assert NAME in text
 

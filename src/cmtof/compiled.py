@@ -1,5 +1,6 @@
 """Compilation by Numba, cached on disk where a folder can be written."""
 
+import sys
 import warnings
 from collections.abc import Callable
 from functools import cache, partial
@@ -21,9 +22,7 @@ def njit(**options: Any) -> Callable[[Callable], Any]:
     def compiled(function: Callable) -> Any:
         try:
             found = numba.njit(cache=True, **options)(function)
-        except RuntimeError as error:
-            if "cannot cache" not in str(error):
-                raise
+        except RuntimeError:  # no folder for a cache
             _warn_uncached()
             return numba.njit(**options)(function)
         # none while compilation is switched off
@@ -36,10 +35,18 @@ def njit(**options: Any) -> Callable[[Callable], Any]:
 
 def _save_if_possible(save: Callable, *what: Any) -> None:
     """Write compiled code to the cache, or warn if that fails, as on a full disk."""
+    _say_compiling()
     try:
         save(*what)
     except OSError:
         _warn_uncached()
+
+
+@cache
+def _say_compiling() -> None:
+    """Tell whoever waits at a terminal, once per process."""
+    if sys.stderr and sys.stderr.isatty():
+        print("Compiling loops, once: up to three minutes ...", file=sys.stderr)
 
 
 @cache
