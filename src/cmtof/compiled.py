@@ -44,7 +44,7 @@ def _save_if_possible(save: Callable, *what: Any) -> None:
 
 @cache
 def _say_compiling() -> None:
-    """Tell whoever waits at a terminal, once per process."""
+    """Tell whoever waits at a terminal that loops are compiled, once per process."""
     if sys.stderr and sys.stderr.isatty():
         print("Compiling loops, once: up to three minutes ...", file=sys.stderr)
 

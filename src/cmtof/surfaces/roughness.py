@@ -16,7 +16,7 @@ from cmtof.types import Array, Arrays, Flags, Numbers
 _EVEN = 0.02  # roughness, rad^2, that an even surface shows as well
 _ALIKE = 0.2  # largest excess of coherence at the higher frequency over that of uneven surfaces
 _NEAR = 1.5  # width, px, of the Gaussian that finds the lobe of a pixel's phases
-_REACH = 6  # px, at which it ends
+_REACH = 6  # px, four times that width, where SciPy ends it
 _TURNS = 3  # steps towards the likeliest departure of a pixel
 
 
@@ -134,7 +134,7 @@ def departure(field: Field, turned: Array, variance: Array) -> Array:
 
 
 def _box_about(chosen: Flags) -> tuple[slice, ...]:
-    """Rows and columns of the chosen pixels and of those that the Gaussian adds."""
+    """Rows and columns of chosen pixels and of all that the Gaussian adds to them."""
     (box,) = find_objects(chosen.astype(int))
     return tuple(slice(max(0, s.start - _REACH), s.stop + _REACH) for s in box)
 
