@@ -13,7 +13,7 @@ from pyvisa.constants import StatusCode
 from registers import ACCESS
 
 from cmtof.correlation import TAU
-from cmtof.hardware.apt import MOTORS, UNITS
+from cmtof.hardware.apt import MOTORS
 from cmtof.hardware.rf import CODES, line_with_checksum
 from cmtof.hardware.rig import LINES, Rig
 from cmtof_lab.rehearsal import simulated_bench
@@ -175,7 +175,7 @@ class Controller:
     def __init__(self, device, driver="mts50-z8", homed=False, clock=None):
         kind = MOTORS[driver]
         self.device = device
-        self.scale = kind.scale / UNITS[kind.unit]
+        self.scale = kind.scale / kind.unit
         self.model = f"{kind.models[0]}1".encode()
         self.status = HOMED * homed | 1 << 31
         self.looks = 0

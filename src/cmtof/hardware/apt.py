@@ -6,7 +6,6 @@ MOVE_HOMED): the end of a move is read from the status bits, and the position is
 
 import time
 from contextlib import suppress
-from math import pi
 from pathlib import Path
 from types import SimpleNamespace
 from typing import Any
@@ -43,9 +42,6 @@ _MOVING = (
 )
 
 
-UNITS = {"mm": 1e-3, "degree": pi / 180}  # m or rad
-
-
 # Motors by the name in a RIG file.
 MOTORS = {
     name: SimpleNamespace(**found)
@@ -80,7 +76,7 @@ class Motor(Device):
         scale: float = 0.0,
     ) -> None:
         super().__init__(port, name, serial_number)
-        unit = UNITS[kind.unit]
+        unit = kind.unit
         self.kind = kind
         self.scale = scale or kind.scale / unit  # counts per m or rad
         self.tolerance = unit * kind.tolerance
