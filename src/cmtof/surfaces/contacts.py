@@ -155,8 +155,9 @@ def offsets_with_contacts(
     What is known from elsewhere counts, too: ``prior`` returns log-odds of offsets (N, M), wraps.
     They lie within ``limits`` (2, N), wraps; beats repeat after ``repeat`` wraps. The message from
     surface a to b is ``log r_b(m + step) = L log(P q_a(m) + (1 - P) / M)``, where q_a are the
-    probabilities at a without the message from b, P those that both meet, times `_agreement`, M the
-    number of offsets, and L < 1, since the same evidence comes back around loops.
+    probabilities at a without the message from b, P those that both meet, times how far their own
+    offsets agree with the step, M the number of offsets, and L < 1, since the same evidence comes
+    back around loops.
     """
     base, alone = _own_odds(found, limits, repeat)
     if prior:
@@ -192,17 +193,6 @@ def _own_odds(found: Offsets, limits: Array, repeat: float) -> tuple[Numbers, Ar
     return base, np.log(np.where(inside, density, _OUTSIDE))
 
 
-def _agreement(alone: Array, source: Numbers, target: Numbers, place: Numbers) -> Array:
-    """Factor (2 B,) of the odds of a border; near zero for a step that its surfaces contradict.
-
-    It is the probability of the step by their own offsets, over that of a random one; one at most.
-    """
-    share = softmax(alone, axis=1)
-    there = _values_at(share[source], place)
-    both = np.sum(there * share[target], axis=1)
-    return np.minimum(alone.shape[1] * both, 1)
-
-
 def _values_at(share: Array, place: Numbers) -> Array:
     """Probabilities (N, K) at places of rows (N, M), zero before the first and after the last."""
     padded = np.pad(share, ((0, 0), (1, 1)))
@@ -215,11 +205,14 @@ def _propagate(
 ) -> Array:
     """Log-probabilities (N, M) after messages from sources to targets (2 B,), both ways in turn.
 
-    An offset of the target is at a ``place`` (2 B, M) of the source's, from 0 on.
+    An offset of the target is at a ``place`` (2 B, M) of the source's, from 0 on. The odds of a
+    border count less where the own offsets of its surfaces contradict the step: times the
+    probability of the step by these, over that of a random one; one at most.
     """
     count = alone.shape[1]
-    agreement = _agreement(alone, source, target, place)
-    meets = (odds * agreement)[:, None]
+    share = softmax(alone, axis=1)
+    agree = np.sum(_values_at(share[source], place) * share[target], axis=1)
+    meets = (odds * np.minimum(count * agree, 1))[:, None]
     message = np.zeros(place.shape)
     belief = alone
     for _ in range(_ROUNDS):
@@ -248,7 +241,7 @@ def components(placement: Placement, label: Numbers) -> Components:
     pixels = np.bincount(label[label >= 0], minlength=count)
     middle = placement.share.shape[1] // 2
     share = pixels[:, None] * placement.share[:, middle - _FAR : middle + _FAR + 1]
-    odds = np.zeros((count, 2 * _FAR + 1))
+    odds = np.zeros_like(share)
     np.add.at(odds, group, share)
     size = np.bincount(group, pixels, count)
     order = np.argsort(-size, kind="stable")

@@ -69,13 +69,12 @@ def pixel_labels(
     label = np.full(shape, -1, np.int32)
     best = np.zeros(shape)
     _label(field, owner, surfaces, label, best)
-    expected = np.zeros(shape)
-    rough = surfaces[:, 6:].sum(axis=1)
+    rough = np.append(surfaces[:, 6:].sum(axis=1), 0)
     # each frequency loses its own part of S by roughness
-    for image, loss in zip(field.information, (0.5, 2.0), strict=True):
-        left = np.append(np.exp(-loss * rough), 1.0)
-        mean = uniform_filter(image.astype(float), side, mode="constant")
-        expected += side**2 * mean * left[label]
+    left = np.exp(np.outer((-0.5, -2.0), rough))[:, label]
+    known = field.information.astype(float)
+    mean = uniform_filter(known, side, mode="constant", axes=(1, 2))
+    expected = np.sum(side**2 * mean * left, axis=0)
     share = (best / np.maximum(expected, 1e-9)).astype(np.float32)
     label = np.where(share > EXPLAINED, label, -1)
     return label, share, interiors(label, share)
@@ -91,7 +90,6 @@ def interiors(label: Numbers, share: Array) -> Numbers:
     whole = np.bincount(number.ravel())
     left = np.bincount(number[inner], minlength=whole.size)
     thin = left < whole / 4
-    thin[0] = False
     return np.where(inner | thin[number], label, -1)
 
 
@@ -270,10 +268,9 @@ def cut_surfaces(
     main = cells.main
     for _ in range(_CUTS):
         count = len(surfaces)
-        ahead, apart, gain = _halves(main, *lags, count)
+        ahead, apart, gain, sizes = _halves(main, *lags, count)
         border = _borders_of_halves(main, ahead, count)
         good = gain > np.maximum(_CUT, _EDGE * border)
-        sizes = sum_surfaces(main, np.array([~ahead, ahead]), count)
         good &= sizes.min(axis=0) >= _PART
         good &= np.abs(apart) > _APART
         good[count] = False  # of cells without a surface
@@ -285,10 +282,11 @@ def cut_surfaces(
 
 def _halves(
     main: Numbers, lag: Array, weight: Array, count: int
-) -> tuple[Flags, Array, Array]:
+) -> tuple[Flags, Array, Array, Array]:
     """Cells (h, w) of each surface that lie ahead, by how much, and the gain in log-likelihood.
 
-    The last two (N + 1,) are also those of cells without a surface.
+    The last two (N + 1,) are also those of cells without a surface, and so are the sizes of both
+    halves (2, N + 1), cells.
     """
     summed = partial(sum_surfaces, main, count=count)
     middle = (summed(weight * lag) / np.maximum(summed(weight), 1e-9))[main]
@@ -301,7 +299,8 @@ def _halves(
         middle = ((part + rest) / 2)[main]
         turn = (part - rest)[main]
     apart = part - rest
-    return ahead, apart, apart**2 / np.sum(1 / known, axis=0) / 2
+    gain = apart**2 / np.sum(1 / known, axis=0) / 2
+    return ahead, apart, gain, summed(sides)
 
 
 def _borders_of_halves(main: Numbers, ahead: Flags, count: int) -> Array:

@@ -98,9 +98,9 @@ def pooled_phasors(
     main: Numbers, phasors: Array, information: Array, count: int
 ) -> Arrays:
     """Sums (2, N) of phasors over the cells of each surface, and their E."""
-    total = sum_surfaces(main, phasors, count)[:, :count]
-    most = sum_surfaces(main, information, count)[:, :count]
-    return total, np.maximum(most, 1e-9)
+    both = np.array([phasors, information])
+    total, most = sum_surfaces(main, both, count)[..., :count]
+    return total, np.maximum(most.real, 1e-9)
 
 
 def sum_surfaces(main: Numbers, images: NDArray, count: int) -> Array:
