@@ -69,10 +69,12 @@ def unwrap(
     from cmtof.measurement import open_measurement
 
     several = len(measurement) > 1
-    targets = (
-        [output / f"{path.stem}.nc" for path in measurement] if several else [output]
+    files = {
+        path: output / f"{path.stem}.nc" if several else output for path in measurement
+    }
+    _check_distinct(
+        [*measurement, *files.values(), *filter(None, (ply, choice["covered"]))]
     )
-    _check_distinct([*measurement, *targets, *filter(None, (ply, choice["covered"]))])
     whole_file = not (choice["tile"] or several)
     if ply is not None and not whole_file:
         raise ValueError(
@@ -83,15 +85,13 @@ def unwrap(
         options["covered"] = open_measurement(choice["covered"])
     if several:
         output.mkdir(exist_ok=True)
-    for target in targets:
+    for target in files.values():
         check_output(target, ".nc")
-    with progress(len(targets), quiet or whole_file) as advance:
-        rows = _unwrap_each(
-            dict(zip(measurement, targets, strict=True)), ply, options, advance
-        )
+    with progress(len(files), quiet or whole_file) as advance:
+        rows = _unwrap_each(files, ply, options, advance)
     if rows:
         print_table(f"method {options['method']}, into {output}", rows)
-    if len(rows) < len(targets):
+    if len(rows) < len(files):
         sys.exit(1)
 
 
@@ -236,10 +236,14 @@ def _report_scores(report: "Fields", json_file: File) -> None:
         f"{len(report['frames'])} frame(s), protocol {report['protocol']}, "
         f"σ = {report['noise']:g}, seed {report['seed']}, {report['coverage']:.1%} scored"
     )
-    rows = []
-    for name, scores in report["methods"].items():
-        seconds = {"s/frame": f"{scores['seconds_per_frame']:.2f}"}
-        rows.append({"method": name} | _rates(scores) | seconds)
+    rows = [
+        {
+            "method": name,
+            **_rates(scores),
+            "s/frame": f"{scores['seconds_per_frame']:.2f}",
+        }
+        for name, scores in report["methods"].items()
+    ]
     print_table(title, rows)
     for name, remark in report["notes"].items():
         print(escape_controls(f"{name}: {remark}"))
@@ -254,8 +258,10 @@ def _rates(scores: "Values") -> "Texts":
         "δ≥10": "delta_ge_10",
         "consistent": "consistent_lt_1",
     }
-    found = {title: f"{scores[key]:.1%}" for title, key in titles.items()}
-    return found | {"median error": f"{1e3 * scores['depth_median_error_m']:.1f} mm"}
+    return {
+        **{title: f"{scores[key]:.1%}" for title, key in titles.items()},
+        "median error": f"{1e3 * scores['depth_median_error_m']:.1f} mm",
+    }
 
 
 def methods(

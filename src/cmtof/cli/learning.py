@@ -5,7 +5,7 @@ from typing import Annotated, Any
 
 from typer import Argument, Option
 
-from cmtof.cli.options import SEED, File, Options, Quiet, Seed, group_options
+from cmtof.cli.options import AnySeed, File, Options, Quiet, Seed, group_options
 from cmtof.terminal import delay_interrupts, progress, progress_is_hidden
 
 
@@ -70,7 +70,7 @@ def recipe(
         str | None, Option(help="Learned method, such as fast-scnn.")
     ] = None,
     protocol: Annotated[str | None, Option(help="released or full.")] = None,
-    seed: Annotated[int | None, SEED] = None,
+    seed: AnySeed = None,
 ) -> None:
     """Options that replace values of a recipe."""
 

@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING, Annotated, Any
 from typer import Argument, Option
 
 from cmtof.cli.options import (
-    SEED,
+    AnySeed,
     File,
     Options,
     Output,
@@ -62,7 +62,7 @@ def simulate(
 def rehearsal(
     twin: Annotated[bool, Option("--twin", help="Simulate it, by RIG's twin.")] = False,
     scene: Annotated[str | None, Option(help="Its frame. Default: still_life.")] = None,
-    seed: Annotated[int | None, SEED] = None,
+    seed: AnySeed = None,
     log: Annotated[File, Option(help="File of all requests and replies.")] = None,
 ) -> None:
     """Options of a scan: with a simulated instrument, or with a log."""

@@ -32,6 +32,7 @@ Output = Annotated[
 ]
 SEED = Option(min=0, max=2**63 - 1, help="Seed of the random numbers.")
 Seed = Annotated[int, SEED]
+AnySeed = Annotated[int | None, SEED]
 Quiet = Annotated[bool, Option("--quiet", "-q", help="No progress bar.")]
 
 
