@@ -1,6 +1,6 @@
 """The bench: devices of a rig by role, and the steps of a scan with checks."""
 
-from collections.abc import Callable, Iterable, Mapping, Sequence
+from collections.abc import Callable, Iterable, Sequence
 from itertools import repeat
 from time import monotonic, sleep, time
 from typing import Any
@@ -11,7 +11,7 @@ from cmtof.constants import LASER_WAVELENGTH
 from cmtof.hardware.device import BadReply, InstrumentTimeout, Unsafe, insist
 from cmtof.hardware.plan import Line, LineRecord, Plan, mirror_settling, mirror_volts
 from cmtof.hardware.reduction import drive_phases, sums_from_counts
-from cmtof.hardware.rig import DRIVERS, LIGHT, PLATES, Rig
+from cmtof.hardware.rig import LIGHT, PLATES, Rig
 from cmtof.hardware.roles import (
     ClockRole,
     MotorRole,
@@ -25,7 +25,6 @@ from cmtof.types import Array, Counts, Named, Values
 
 ATTEMPTS = 3  # at a line before lost samples or a missed edge are an error
 WATCHDOG = 5  # s without a request, after which the read-out makes itself dark
-MODULES = ("emission", "detection")
 RAMP = (-20.0, -10.0, -6.0, -3.0, 0.0)  # dB: steps by which RF comes up to its power
 
 
@@ -61,14 +60,13 @@ class Bench(EmergencyStop):
         self.about = about
         vars(self).update(devices)
         self.rf = (self.rf_emission, self.rf_detection)
-        self.times = []  # at which the last bursts were read, s
         self._patience = patience
         self._clock_of = clock_of or (lambda label: time())
         self._aim = np.zeros(2)  # of the mirrors, optical angles, rad
         self._levels = {}
         self._silence = min(rig.dead_man, WATCHDOG)  # that some device's timer allows
         self._fed = monotonic()
-        super().__init__([devices[role] for role in DRIVERS])
+        super().__init__(devices.values())
 
     def switch(self, part: str, on: bool) -> None:
         """Switch a part, such as "shutter", and wait until it settles."""
@@ -93,11 +91,6 @@ class Bench(EmergencyStop):
                 "Expected the interlock closed, got it open. Close doors and covers."
             )
 
-    def park(self) -> None:
-        """Set both scan mirrors to 0 V."""
-        self.daq.write_many(dict.fromkeys(self.rig.mirrors, 0.0))
-        self._aim = np.zeros(2)
-
     def mirror_outputs(self, direction: Array) -> Values:
         """Voltages of the mirrors, by output, that send the beam in a direction (2,), rad."""
         volts = mirror_volts(self.rig, direction).tolist()
@@ -106,14 +99,12 @@ class Bench(EmergencyStop):
     def fly_back(self, directions: Array) -> None:
         """Aim at the first of a line's directions (N, 2), rad, and wait for the mirrors."""
         self.daq.write_many(self.mirror_outputs(directions[0]))
-        self.wait(
-            mirror_settling(self.rig, float(np.abs(directions[0] - self._aim).max()))
-        )
+        step = np.abs(directions[0] - self._aim).max()
+        self.wait(mirror_settling(self.rig, step))
         self._aim = directions[-1]
 
     def set_up(self) -> None:
         """Prepare all devices for a scan: laser on, shutter closed, RF off."""
-        rig = self.rig
         self.daq.safe_state()
         self._levels.clear()
         self.check_interlock()
@@ -121,13 +112,13 @@ class Bench(EmergencyStop):
         for rf in self.rf:
             rf.clear_trip()  # a scan that was killed leaves it so
             rf.output(False)
-            rf.set_dead_man(rig.dead_man)
+            rf.set_dead_man(self.rig.dead_man)
             rf.set_phase(0.0)
             rf.trigger(False)
         for motor in (self.plate_emission, self.plate_detection, self.stage):
             if not motor.homed:
                 motor.home(waiting=self.feed)
-        self.listen(rig.detector_input)
+        self.listen(self.rig.detector_input)
         self.start_clock()
         # ten readings of about 3 ms each
         self.power_meter.set_up(
@@ -164,7 +155,7 @@ class Bench(EmergencyStop):
         rig = self.rig
         for rf in self.rf:
             rf.output(False)
-        for module in MODULES:
+        for module in ("emission", "detection"):
             self.turn_plate(module, PLATES[mode])
         for rf in self.rf:
             rf.set_frequency(rig.drive_frequency(mode))
@@ -192,9 +183,10 @@ class Bench(EmergencyStop):
             self.feed()
 
     def close_and_park(self) -> None:
-        """Close the shutter and park the beam."""
+        """Close the shutter, and set both scan mirrors to 0 V."""
         self.switch("shutter", False)
-        self.park()
+        self.daq.write_many(dict.fromkeys(self.rig.mirrors, 0.0))
+        self._aim = np.zeros(2)
 
     def look_at(self, kind: str) -> None:
         """Choose the path of the light: "scan", "reference" target, or "dark" for none.
@@ -222,7 +214,7 @@ class Bench(EmergencyStop):
             self.stage.move_to(position, waiting=self.feed)
 
     def bursts(
-        self, labels: Sequence[int], outputs: Iterable[Mapping[str, float]] = repeat({})
+        self, labels: Sequence[int], outputs: Iterable[Named] = repeat({})
     ) -> Counts:
         """Counts (N, samples) of one burst for each label; ``outputs`` are set as each starts.
 
@@ -235,7 +227,7 @@ class Bench(EmergencyStop):
         # may be sent twice, as nothing moves
         insist(self.rf_detection.arm, tries=ATTEMPTS)
         counts = []
-        self.times = []
+        self.times = []  # at which these are read, s
         for label, burst in zip(labels, self.daq.bursts(requests), strict=True):
             self.times.append(self._clock_of(label))
             counts.append(burst)
@@ -250,9 +242,7 @@ class Bench(EmergencyStop):
 
     def check(self) -> None:
         """Raise `Unsafe` unless both modulators are on and locked, clock on, interlock closed."""
-        if not all(
-            self.clock.output_is_on(channel) for channel in self.rig.clock_channels
-        ):
+        if not all(map(self.clock.output_is_on, self.rig.clock_channels)):
             raise Unsafe("Expected the clock on, got it off. Check the generator.")
         for rf in self.rf:
             status = rf.status()

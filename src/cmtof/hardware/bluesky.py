@@ -11,6 +11,7 @@ from threading import Thread
 
 from cmtof.hardware.bench import Bench
 from cmtof.hardware.device import Unsafe
+from cmtof.types import Fields
 
 UNITS = {
     "power_meter": "W",
@@ -51,14 +52,14 @@ class Adapter:
         self._device = bench.devices[role]
         self._motion = Motion(lambda: None)
 
-    def read(self) -> dict[str, dict]:
+    def read(self) -> Fields:
         """Position, m or rad, or power, W, with the time, s since 1970, as Bluesky expects."""
         value = getattr(
             self._device, "power" if self.name == "power_meter" else "position"
         )
         return {self.name: {"value": value, "timestamp": time.time()}}
 
-    def describe(self) -> dict[str, dict]:
+    def describe(self) -> Fields:
         """Type and unit of the value, as Bluesky expects."""
         kind = {"source": "cmtof", "dtype": "number", "shape": []}
         return {self.name: kind | {"units": UNITS[self.name]}}

@@ -16,7 +16,7 @@ from numpy.typing import ArrayLike
 from scipy.special import j0
 
 from cmtof.correlation import centred, decode
-from cmtof.hardware.bench import MODULES, Bench
+from cmtof.hardware.bench import Bench
 from cmtof.hardware.ranging import sweep, sweep_errors, take_reading
 from cmtof.hardware.reduction import Gain
 from cmtof.hardware.rig import PLATES
@@ -29,14 +29,14 @@ def measure_light(
     bench: Bench,
     module: str,
     angles: Iterable[float],
-    drives: Iterable[Sequence[float]] = (),
+    drives: Iterable[Pair] = (),
 ) -> Array:
     """Light (N,) behind a module, first with its plate at angles, degrees, then at RF drives.
 
     The other module stays at quadrature; drives of Hz and dBm are those at the last angle.
     """
     read = partial(take_reading, bench, "reference", Gain(*bench.daq.gain()), count(1))
-    rf = bench.rf[MODULES.index(module)]
+    rf = bench.devices[f"rf_{module}"]
     bench.choose_mode("single")
     for one in bench.rf:
         one.output(False)
@@ -60,9 +60,7 @@ def measure_light(
     return np.array(found)
 
 
-def drive_amplitudes(
-    bench: Bench, module: str, drives: Iterable[Sequence[float]]
-) -> Array:
+def drive_amplitudes(bench: Bench, module: str, drives: Iterable[Pair]) -> Array:
     """Drive amplitudes eta (N,), rad, of a module at N drives, each a pair of Hz and dBm."""
     quadrature, dark, *driven = measure_light(bench, module, PLATES.values(), drives)
     share = (np.array(driven) - dark) / (2 * quadrature - 2 * dark)

@@ -178,9 +178,11 @@ def insist(*acts: Callable[[], object], tries: int = 2) -> None:
                 act()
                 break
             except OSError as failure:
-                failures += [failure] * (left == 0)
-        if failures and isinstance(failures[-1], InstrumentTimeout):
-            break
+                if not left:
+                    failures.append(failure)
+        else:
+            if isinstance(failures[-1], InstrumentTimeout):
+                break
     if failures:
         raise (
             failures[0] if len(failures) == 1 else Refused(" ".join(map(str, failures)))

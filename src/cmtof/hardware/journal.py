@@ -30,10 +30,10 @@ def journal_line(content: bytes) -> bytes:
     return b"%08x %s\n" % (zlib.crc32(content), content)
 
 
-def whole_lines(path: AnyPath) -> list[bytes]:
+def whole_lines(path: Path) -> list[bytes]:
     """JSON of a journal's lines, header first, up to the first damaged one; may be empty."""
     found = []
-    for line in Path(path).read_bytes().splitlines(keepends=True):
+    for line in path.read_bytes().splitlines(keepends=True):
         if line != journal_line(line[9:-1]):
             break
         found.append(line[9:-1])
@@ -61,11 +61,11 @@ def check_settings(path: Path, old: Named, new: Named) -> None:
 
 
 def resume_journal(path: Path, header: Named, plan: Plan) -> list[LineRecord]:
-    """Records in a plan's journal, whose damaged end is cut off; a missing journal is created.
+    """Records in a plan's journal, whose damaged end is cut off; an empty one gets its header.
 
     Raises ValueError if it belongs to other settings, or is none.
     """
-    if not path.exists() or not path.stat().st_size:
+    if not path.stat().st_size:
         append_line(path, header)
     lines = whole_lines(path)
     broken = ValueError(

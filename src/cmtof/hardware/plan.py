@@ -12,7 +12,7 @@ from math import ceil
 from typing import NamedTuple
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
 from cmtof.constants import SPEED_OF_LIGHT
 from cmtof.frame import rays_from_camera
@@ -50,7 +50,7 @@ class LineRecord(NamedTuple):
     rate: float  # of the samples, as the converter made it, Hz
     locks: Array  # detuning, Hz, and reflected power, dBm, of both drives (2, 2)
     times: Array  # at which the bursts were read, s (N,)
-    sums: NDArray[np.uint32]  # of the kept samples of each phase (N, K)
+    sums: Numbers  # of the kept samples of each phase (N, K)
     clipped: Counts  # samples at either end of the converter's scale (N,)
 
 

@@ -31,12 +31,11 @@ TURN = 16  # phases of the emission that tell the mixer's imbalance
 MEANS = {"reference": (0, 2), "rf": (0, 1, 2), "interferometer": (1, 2)}
 
 
-def correct_quadratures(
-    reading: ArrayLike, gain: ArrayLike, error: ArrayLike
-) -> Complex:
+def correct_quadratures(reading: Complex, gain: float, error: float) -> Complex:
     """Phasor of a reading I + iQ, corrected for Q's ``gain`` and phase ``error``, rad."""
-    z = np.asarray(reading, complex)
-    return z.real + 1j * (z.imag / gain - z.real * np.sin(error)) / np.cos(error)  # pyright: ignore[reportAttributeAccessIssue]
+    i = reading.real
+    q = (reading.imag / gain - i * np.sin(error)) / np.cos(error)
+    return i + 1j * q
 
 
 def take_reading(bench: Bench, way: str, gain: Gain, labels: Iterator[int]) -> Array:

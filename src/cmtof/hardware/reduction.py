@@ -19,14 +19,16 @@ from collections.abc import Sequence
 from typing import Any, NamedTuple
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 from xarray import Dataset, concat
 
 from cmtof.correlation import TAU, centred, decode, phase_from_depth
 from cmtof.hardware.plan import REFERENCE_BURSTS, LineRecord, Plan
 from cmtof.hardware.rig import MODES
 from cmtof.measurement import Measurement
-from cmtof.types import Array, Counts, Named, Pair
+from cmtof.types import Array, Counts, Named, Numbers, Pair
+
+Records = Sequence[LineRecord]  # of lines of a plan, in any order
 
 FULL_SCALE = 65535  # of a 16-bit stream sample; it and 0 mean that the converter clips
 MIN_CONTRAST = 1e-3  # of the reference target; below there is no phase to calibrate on
@@ -60,9 +62,7 @@ def drive_phases(phases: int, mode: str) -> Array:
     return np.mod(-nominal_psi(phases) / MODES[mode], TAU)
 
 
-def sums_from_counts(
-    counts: ArrayLike, kept: ArrayLike
-) -> tuple[NDArray[np.uint32], Counts]:
+def sums_from_counts(counts: ArrayLike, kept: ArrayLike) -> tuple[Numbers, Counts]:
     """Sums (N, K) of each phase's last ``kept`` (K,) samples, and number of clipped ones (N,)."""
     samples = np.asarray(counts, np.uint32)
     samples = samples.reshape(len(samples), np.size(kept), -1)
@@ -96,9 +96,7 @@ def calibrate(correlation: Array, ranges: ArrayLike, frequency: float) -> Pair:
     return float(centred(np.angle(total))), float(drift)
 
 
-def lines_of(
-    plan: Plan, records: Sequence[LineRecord], mode: str, kind: str
-) -> tuple[Any, Array]:
+def lines_of(plan: Plan, records: Records, mode: str, kind: str) -> tuple[Any, Array]:
     """Records of a mode and kind, stacked into one, and the bursts' mean counts (lines, N, K)."""
     found = [one for one in records if plan.lines[one.line][1:3] == (mode, kind)]
     record: Any = LineRecord._make(map(np.array, zip(*found, strict=True)))
@@ -114,12 +112,7 @@ def check_brightness(volts: Array, limit: float) -> None:
         )
 
 
-def psi_correction(
-    plan: Plan,
-    header: Named,
-    mode: str,
-    records: Sequence[LineRecord],
-) -> Pair:
+def psi_correction(plan: Plan, header: Named, mode: str, records: Records) -> Pair:
     """Offset and drift of psi, rad, from records of the target; a ValueError if it saturates."""
     gain = Gain(*header["calibration"])
     seen, counts = lines_of(plan, records, mode, "reference")
@@ -138,7 +131,7 @@ def psi_correction(
 
 
 def measurement_from_records(
-    plan: Plan, header: Named, records: Sequence[LineRecord]
+    plan: Plan, header: Named, records: Records
 ) -> Measurement:
     """Measurement from the records of all lines of a plan; raises as `psi_correction` does.
 
@@ -157,20 +150,15 @@ def measurement_from_records(
         "protocol": "scan",
         "saturation": FULL_SCALE,
         "sample_rate": float(np.mean([record.rate for record in records])),
+        **{
+            name: json.dumps(value) if isinstance(value, list | dict) else value
+            for name, value in header.items()
+        },
     }
-    for name, value in header.items():
-        data.attrs[name] = (
-            json.dumps(value) if isinstance(value, list | dict) else value
-        )
     return Measurement(data.drop_vars("clipped"))
 
 
-def _images_of_mode(
-    plan: Plan,
-    header: Named,
-    mode: str,
-    records: Sequence[LineRecord],
-) -> Dataset:
+def _images_of_mode(plan: Plan, header: Named, mode: str, records: Records) -> Dataset:
     """Part of a measurement that belongs to one mode, from its records."""
     gain = Gain(*header["calibration"])
     offset, drift = psi_correction(plan, header, mode, records)

@@ -196,7 +196,7 @@ class Rig:
 
     def drive_frequency(self, mode: str) -> float:
         """Drive frequency of a mode, Hz."""
-        return self.frequency_doubled if mode == "doubled" else self.frequency_single
+        return getattr(self, f"frequency_{mode}")
 
     def as_dict(self) -> Fields:
         """Settings as plain values for JSON, without addresses."""

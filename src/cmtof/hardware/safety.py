@@ -4,7 +4,7 @@ import atexit
 import signal
 import sys
 import threading
-from collections.abc import Sequence
+from collections.abc import Iterable
 from concurrent.futures import ThreadPoolExecutor
 from typing import Any, Self
 
@@ -32,7 +32,7 @@ class EmergencyStop:
     Against SIGKILL the devices have watchdogs of their own.
     """
 
-    def __init__(self, devices: Sequence[Any]) -> None:
+    def __init__(self, devices: Iterable[Any]) -> None:
         self._devices = list(devices)
         self._previous = {}
 

@@ -7,7 +7,7 @@ whole port, whose upper byte keeps the other lines from changing.
 """
 
 import struct
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Iterator, Sequence
 from functools import partial
 from math import gcd
 from pathlib import Path
@@ -28,7 +28,7 @@ from cmtof.hardware.device import (
 )
 from cmtof.hardware.reduction import Gain
 from cmtof.hardware.roles import Registers, Requests
-from cmtof.types import Counts, Texts
+from cmtof.types import Counts, Texts, Values
 
 # Address and type of each register by LabJack's name.
 REGISTERS = read_document(Path(__file__).with_name("t7.yml"))
@@ -76,7 +76,7 @@ class LabJackT7(Device):
     ) -> None:
         super().__init__(client, name, serial_number)
         self._stream = stream
-        self._safe_lines = list(safe_lines)
+        self._safe_lines = safe_lines
         self._parked = dict.fromkeys(parked, 0.0)
         self.rate = 0.0  # actual sample rate of the last burst, Hz
 
@@ -176,7 +176,7 @@ class LabJackT7(Device):
                 self._stop()
             yield counts
 
-    def _start(self, registers: Mapping[str, float]) -> None:
+    def _start(self, registers: Registers) -> None:
         """Write registers, start the stream and read its actual rate, in one frame."""
         frame = write_request({**registers, "STREAM_ENABLE": 1})
         frame += read_request("STREAM_SCANRATE_HZ_ACTUAL")
@@ -221,9 +221,9 @@ class LabJackT7(Device):
     def watchdog(self, seconds: int) -> None:
         """Set the watchdog: safe lines go low when no request comes for so many seconds."""
         used = self._bits(self._safe_lines)
-        wanted = {
+        wanted: Values = {
             "WATCHDOG_ADVANCED_DEFAULT": 0,
-            "WATCHDOG_TIMEOUT_S_DEFAULT": int(seconds),
+            "WATCHDOG_TIMEOUT_S_DEFAULT": seconds,
             "WATCHDOG_STARTUP_DELAY_S_DEFAULT": 0,
             "WATCHDOG_STRICT_ENABLE_DEFAULT": 0,  # any request feeds it
             "WATCHDOG_RESET_ENABLE_DEFAULT": 0,  # a reset would raise the lines
@@ -275,7 +275,7 @@ class LabJackT7(Device):
             "firmware": f"{firmware:.4f}",
         }
 
-    def _set(self, values: Mapping[str, float]) -> None:
+    def _set(self, values: Values) -> None:
         """Write registers and read them back; `Refused` if one differs."""
         self.write_many(values)
         for (name, wanted), found in zip(
