@@ -36,7 +36,7 @@ from cmtof.statistics import reliability
 from cmtof.surfaces import stages
 from cmtof.surfaces.blocks import region_of_boxes
 from cmtof.surfaces.field import field_from_measurement
-from cmtof.surfaces.fitting import refine
+from cmtof.surfaces.fitting import climb
 from cmtof.surfaces.shapes import PLANE, depth_of_labels
 from cmtof_book import notes, plotting, views
 from cmtof_book.compared import closed_form, decision, sum_over_draws
@@ -212,7 +212,7 @@ def offset_of_wall(side, draw):
         cmtof.simulate(frame, protocol="full", seed=seed + draw)
     )
     q = np.array([0, 0, 1 / 3.0, 0, 0, 0])
-    fit = refine(field, region_of_boxes(np.array([[0, side, 0, side]])), q, PLANE, 2, 0)
+    fit = climb(field, region_of_boxes(np.array([[0, side, 0, side]])), q, PLANE, 2)
     return fit.offset, 1 / np.sqrt(fit.known)
 
 

@@ -32,6 +32,7 @@ def test_a_full_disk_ends_no_command_and_a_terminal_says_why_it_waits(
     full = OSError(28, "No space left on device")
     monkeypatch.setattr(IndexDataCacheFile, "save", Mock(side_effect=full))
     monkeypatch.setattr(sys.stderr, "isatty", Mock(return_value=True))
+    monkeypatch.delenv("CI", raising=False)
     compiled._warn_uncached.cache_clear()
     compiled._say_compiling.cache_clear()
 

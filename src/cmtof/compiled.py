@@ -1,5 +1,6 @@
 """Compilation by Numba, cached on disk where a folder can be written."""
 
+import os
 import sys
 import warnings
 from collections.abc import Callable
@@ -33,6 +34,10 @@ def njit(**options: Any) -> Callable[[Callable], Any]:
     return compiled
 
 
+# Written into each caller, so that it is not compiled apart: for what is short or called once.
+inlined = njit(inline="always")
+
+
 def _save_if_possible(save: Callable, *what: Any) -> None:
     """Write compiled code to the cache, or warn if that fails, as on a full disk."""
     _say_compiling()
@@ -44,9 +49,10 @@ def _save_if_possible(save: Callable, *what: Any) -> None:
 
 @cache
 def _say_compiling() -> None:
-    """Tell whoever waits at a terminal that loops are compiled, once per process."""
-    if sys.stderr and sys.stderr.isatty():
-        print("Compiling loops, once: up to three minutes ...", file=sys.stderr)
+    """Tell who waits at a terminal or in Jupyter that loops are compiled, once per process."""
+    waits = sys.stderr and (sys.stderr.isatty() or "ipykernel" in sys.modules)
+    if waits and not os.environ.get("CI"):
+        print("Compiling loops, once: up to two minutes ...", file=sys.stderr)
 
 
 @cache

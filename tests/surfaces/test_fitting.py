@@ -15,6 +15,7 @@ from cmtof.surfaces import fitting
 from cmtof.surfaces.blocks import SIDE, Region, cell_likelihood, region_of_boxes
 from cmtof.surfaces.field import pixels_of_cells
 from cmtof.surfaces.fitting import (
+    climb,
     evaluate_fit,
     fit_plane_or_bent,
     move_surface,
@@ -113,7 +114,7 @@ def test_fits_climb_back_to_a_tilted_plane(normal, rng):
     field = field_of(depth)
     tilt = rng.uniform(-1, 1, 3) / 21 * [3.6, 4.5, 1]
     start[:3] += tilt * WRAP / depth.max() ** 2
-    assert misses(field, refine(field, WHOLE, start, PLANE, 8, 0).q, depth)[0] < 1e-6
+    assert misses(field, climb(field, WHOLE, start, PLANE, 8).q, depth)[0] < 1e-6
 
 
 @mark.parametrize("wraps", [1, 5])
@@ -132,7 +133,7 @@ def test_planes_are_called_planes(normal, turns, rng):
     depth, q = plane(normal)
     field = field_of(depth, information=20.0, noise_of=rng)
     few = BOXES[np.abs(BOXES[:, [0, 2]] - (28, 36)).max(axis=1) < 16]
-    start = move_surface(field, q, few, BENT, 0.0, 0, turns)[0] if turns else q
+    start = move_surface(field, q, few, BENT, 0.0, (0, turns))[0] if turns else q
     fit, *_ = fit_plane_or_bent(
         field,
         region_of_boxes(few),
@@ -166,7 +167,7 @@ def test_the_offset_scatters_as_predicted(rng):
     found = []
     for _ in range(60):
         field = exact_field(depth, information=1.0, noise_of=rng)
-        fit = refine(field, whole, q, PLANE, 8, 0)
+        fit = climb(field, whole, q, PLANE, 8)
         found.append((fit.offset, fit.known))
     offset, known = np.transpose(found)
     deviation = 1 / np.sqrt(known.mean())

@@ -9,7 +9,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from cmtof.compiled import njit
+from cmtof.compiled import inlined, njit
 from cmtof.correlation import TAU
 from cmtof.surfaces.field import CELL
 from cmtof.surfaces.shapes import BENT, FARTHEST, depth_at
@@ -52,18 +52,16 @@ def blocks_of_boxes(boxes):  # pragma: no cover - compiled
 @njit()
 def functions_of_blocks(field, places):  # pragma: no cover - compiled
     """Cosine times u, v, 1, u^2, u v, v^2 (6, N) in the middle of blocks."""
-    y = places[:, 0]
-    x = places[:, 1]
     last = SIDE - 1
-    v = (field.v[y] + field.v[y + last]) / 2
-    u = (field.u[x] + field.u[x + last]) / 2
-    out = np.ones((BENT, len(places)))
-    out[0] = u
-    out[1] = v
-    out[3] = u * u
-    out[4] = u * v
-    out[5] = v * v
-    out /= np.sqrt(1 + u * u + v * v)
+    out = np.empty((BENT, len(places)))
+    for n in range(len(places)):
+        y = places[n, 0]
+        x = places[n, 1]
+        v = (field.v[y] + field.v[y + last]) / 2
+        u = (field.u[x] + field.u[x + last]) / 2
+        length = np.sqrt(1 + u * u + v * v)
+        for i, value in enumerate((u, v, 1.0, u * u, u * v, v * v)):
+            out[i, n] = value / length
     return out
 
 
@@ -100,7 +98,7 @@ def block_sums(field, region, q, places):  # pragma: no cover - compiled
     return total, information
 
 
-@njit(inline="always")
+@inlined
 def _unit(turns):  # pragma: no cover - compiled
     """exp(-i x) of an angle in turns, to 2e-8: Taylor series on a quarter turn to each side."""
     whole = np.floor(2 * turns + 0.5)
@@ -117,7 +115,7 @@ def _unit(turns):  # pragma: no cover - compiled
     return complex(odd * c, -odd * s)
 
 
-@njit(inline="always")
+@inlined
 def pixel_likelihood(field, q, y, x):  # pragma: no cover - compiled
     """S of a surface at one pixel."""
     z = depth_at(field, q, y, x)
@@ -142,4 +140,9 @@ def frequency_sums(field, q, boxes):  # pragma: no cover - compiled
     """S of both frequencies (2,) over rectangles, then E of both (2,)."""
     places = blocks_of_boxes(boxes)
     total, information = block_sums(field, region_of_boxes(boxes), q, places)
-    return np.stack((total.real.sum(axis=1), information.sum(axis=1)))
+    out = np.zeros((2, 2))
+    for n in range(len(places)):
+        for f in range(2):
+            out[0, f] += total[f, n].real
+            out[1, f] += information[f, n]
+    return out

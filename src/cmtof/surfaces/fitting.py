@@ -4,7 +4,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from cmtof.compiled import njit
+from cmtof.compiled import inlined, njit
 from cmtof.correlation import TAU
 from cmtof.surfaces.blocks import (
     SIDE,
@@ -25,6 +25,7 @@ from cmtof.types import Array, Numbers
 
 # As NumPy's integers, for Numba compiles a function again for every literal that it is given.
 HOPS = np.int64(60)  # largest hop, wraps
+UPRIGHT = (np.int64(0), np.int64(0))  # no tilt, wraps per pixel down and right
 ASTRAY = 0.2  # distance, wraps (rms), of a plane from a bent surface from which on it is not tried
 FLAT = 5e-5  # a surface counts as bent if a plane misses it by more, m (rms), and it gains in S
 
@@ -50,15 +51,14 @@ def _moments(field, region, q):  # pragma: no cover - compiled
     k = field.wavenumber
     turns = field.turns
     error = total.imag
-    g = ((error[0] * k[0] + error[1] * k[1]) * change).sum(axis=1)
-    h = known[0] * turns[0] * k[0] + known[1] * turns[1] * k[1]
-    h = (h * change).sum(axis=1)
+    g = _sums_along(change, error[0] * k[0] + error[1] * k[1])
+    h = _sums_along(change, known[0] * turns[0] * k[0] + known[1] * turns[1] * k[1])
     bend = known[0] * k[0] ** 2 + known[1] * k[1] ** 2
     sums = _sums_of_offset(total, known, turns)
     return sums, g, h, _products(bend * change, change)
 
 
-@njit()
+@inlined
 def _sums_of_offset(total, known, turns):  # pragma: no cover - compiled
     """Sums S, E, b, c (4,) over the phasors of blocks (2, N) and their E (2, N)."""
     sums = np.zeros(4)
@@ -83,21 +83,32 @@ def _products(some, others):  # pragma: no cover - compiled
 
 
 @njit()
-def move_surface(field, q, boxes, size, distance, down=0, right=0):  # pragma: no cover
+def _sums_along(vectors, weight):  # pragma: no cover - compiled
+    """Scalar products (6,) of vectors (6, N) with one (N,)."""
+    out = np.zeros(BENT)
+    for i in range(BENT):
+        for n in range(weight.size):
+            out[i] += weight[n] * vectors[i, n]
+    return out
+
+
+@njit()
+def move_surface(field, q, boxes, size, distance, tilt=UPRIGHT):  # pragma: no cover
     """Fit of a surface to this one moved by m and by wraps per pixel; its misfit, m (rms)."""
     places = blocks_of_boxes(boxes[:: max(1, len(boxes) // 100)])
     functions = functions_of_blocks(field, places)
-    turned = down * _from_middle(places[:, 0]) + right * _from_middle(places[:, 1])
+    turned = tilt[0] * _from_middle(places[:, 0])
+    turned += tilt[1] * _from_middle(places[:, 1])
     z = depths_of_blocks(q, functions) + distance + field.period * turned
     z = np.maximum(z, 0.05)
     change = z * z * functions
-    wanted = (z * change).sum(axis=1)
+    wanted = _sums_along(change, z)
     found = solve(_products(change, change), wanted, size)
     missed = np.sum(z * z) - np.sum(found * wanted)
     return found, np.sqrt(max(missed, 0.0) / z.size)
 
 
-@njit()
+@inlined
 def _from_middle(first):  # pragma: no cover - compiled
     """Distance (N,), px, of the middle of blocks from a pixel in the middle of them all."""
     return first - np.rint(first.mean()) + (SIDE - 1) / 2
@@ -132,7 +143,7 @@ def change_by_a_wrap(field, region, q, weight):  # pragma: no cover - compiled
 
 
 @njit()
-def _climb(field, region, q, size, steps):  # pragma: no cover - compiled
+def climb(field, region, q, size, steps):  # pragma: no cover - compiled
     """Climb by Gauss-Newton steps, as long as S grows by 0.01."""
     best = evaluate_fit(field, region, q, size)
     for _ in range(steps):
@@ -144,30 +155,31 @@ def _climb(field, region, q, size, steps):  # pragma: no cover - compiled
 
 
 @njit()
-def refine(field, region, q, size, steps, hops=HOPS):  # pragma: no cover - compiled
+def refine(field, region, q, size, steps):  # pragma: no cover - compiled
     """Climb, then hop by whole wraps."""
-    best = _climb(field, region, q, size, steps)
+    best = climb(field, region, q, size, steps)
     for _ in range(5):
-        whole = min(max(np.rint(best.offset), -hops), hops)
+        whole = min(max(np.rint(best.offset), -HOPS), HOPS)
         if whole == 0:
             break
-        start = move_surface(field, best.q, region.boxes, size, whole * field.period)[0]
-        there = _climb(field, region, start, size, np.int64(3))
+        distance = whole * field.period
+        start = move_surface(field, best.q, region.boxes, size, distance, UPRIGHT)[0]
+        there = climb(field, region, start, size, np.int64(3))
         if there.likelihood <= best.likelihood:
             break
         best = there
     return best
 
 
-@njit()
+@inlined
 def _straighten(field, region, bent, plane, steps):  # pragma: no cover - compiled
     """The likelier of this plane and those that look bent, their slopes off by a turn per pixel."""
     near = np.empty(9)
     planes = np.empty((9, BENT))
-    few = region.boxes[:: max(1, len(region.boxes) // 25)]
+    few = region.boxes[:: max(1, len(region.boxes) // 25)].copy()
     for i in range(9):
         planes[i], near[i] = move_surface(
-            field, bent, few, PLANE, 0.0, i // 3 - 1, i % 3 - 1
+            field, bent, few, PLANE, 0.0, (i // 3 - 1, i % 3 - 1)
         )
     for _ in range(2):
         i = np.argmin(near)
@@ -178,7 +190,7 @@ def _straighten(field, region, bent, plane, steps):  # pragma: no cover - compil
     return plane
 
 
-@njit(inline="always")
+@inlined
 def stiffness(field, most):  # pragma: no cover - compiled
     """Sum of K k^2 over pixels of both frequencies of E, 1 / m^2."""
     k = field.wavenumber
@@ -198,7 +210,7 @@ def fit_plane_or_bent(
     before = refine(field, region, q, BENT if was_bent else PLANE, steps)
     plane = before
     if was_bent:
-        start = move_surface(field, before.q, region.boxes, PLANE, 0.0)[0]
+        start = move_surface(field, before.q, region.boxes, PLANE, 0.0, UPRIGHT)[0]
         plane = refine(field, region, start, PLANE, steps)
     bent = refine(field, region, plane.q, BENT, steps)
     if bent.likelihood <= before.likelihood:
@@ -235,7 +247,7 @@ def _fit_all(field, label, cells, starts, surfaces, effort, gain):  # pragma: no
     return surfaces, fit
 
 
-@njit()
+@inlined
 def _fit_one(field, region, q, steps, gain, weight):  # pragma: no cover - compiled
     """Fit a surface in place; its row (16,) of `fit_surfaces`, zeros if it is not possible."""
     row = np.zeros(16)

@@ -4,7 +4,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from cmtof.compiled import njit
+from cmtof.compiled import inlined, njit
 from cmtof.surfaces.blocks import cell_likelihood, frequency_sums, region_of_boxes
 from cmtof.surfaces.field import CELL, Field, pixels_of_cells
 from cmtof.surfaces.fitting import boxes_of_cells, fit_plane_or_bent, fit_surfaces
@@ -93,7 +93,7 @@ def _grow(field, grid, start, gain, roughest, count):  # pragma: no cover - comp
     return surfaces[:new]
 
 
-@njit()
+@inlined
 def _seed_in_window(field, grid, window, roughest):  # pragma: no cover - compiled
     """A surface in a window, if enough of this is free, and enough of it explained."""
     rows, columns = _cells_of_window(window)
@@ -110,7 +110,7 @@ def _seed_in_window(field, grid, window, roughest):  # pragma: no cover - compil
     return Seed(q, rough, min(rough + _ROUGHER, roughest))
 
 
-@njit(inline="always")
+@inlined
 def _cells_of_window(window):  # pragma: no cover - compiled
     """Rows and columns of the cells of a window."""
     top = window[0] // CELL
@@ -119,7 +119,7 @@ def _cells_of_window(window):  # pragma: no cover - compiled
     return slice(top, top + side), slice(left, left + side)
 
 
-@njit()
+@inlined
 def _first_cells(field, grid, seed, window, mark):  # pragma: no cover - compiled
     """Numbers of the free cells of a window that its surface explains; none if they are few."""
     rows, columns = _cells_of_window(window)
@@ -138,7 +138,7 @@ def _first_cells(field, grid, seed, window, mark):  # pragma: no cover - compile
     return cells[: size if size >= 0.6 * free else 0]
 
 
-@njit()
+@inlined
 def _grow_from_cells(
     field, grid, seed, cells, mark, gain
 ):  # pragma: no cover - compiled
@@ -160,14 +160,14 @@ def _grow_from_cells(
     return q, rough, cells
 
 
-@njit(inline="always")
+@inlined
 def _explains(field, grid, q, rough, y, x):  # pragma: no cover - compiled
     """Whether a surface may grow into a cell."""
     least = _JOIN * _expected_likelihood(rough, grid.information, y, x)
     return cell_likelihood(field, q, y, x) > least
 
 
-@njit(inline="always")
+@inlined
 def _expected_likelihood(rough, information, y, x):  # pragma: no cover - compiled
     """S that a surface of this roughness has in a cell on average."""
     return (
@@ -176,13 +176,13 @@ def _expected_likelihood(rough, information, y, x):  # pragma: no cover - compil
     )
 
 
-@njit()
+@inlined
 def _scatter(sums):  # pragma: no cover - compiled
     """Variance, rad^2, of depths about a surface by its coherence at the lower frequency."""
     return -2 * np.log(min(max(sums[0, 0] / max(sums[1, 0], 1e-9), 0.05), 1.0))
 
 
-@njit()
+@inlined
 def _roughness(field, q, window, roughest):  # pragma: no cover - compiled
     """Roughness of a window if both frequencies agree on it, else negative.
 
@@ -198,7 +198,7 @@ def _roughness(field, q, window, roughest):  # pragma: no cover - compiled
     return rough if sure and 0 < rough < roughest else -1.0
 
 
-@njit()
+@inlined
 def _add_cells_beside(
     field, grid, q, rough, cells, mark
 ):  # pragma: no cover - compiled
@@ -221,7 +221,7 @@ def _add_cells_beside(
     return found[:size]
 
 
-@njit(inline="always")
+@inlined
 def neighbours(cells, y, x):  # pragma: no cover - compiled
     """The cells below, above, right and left of a cell, of those that there are."""
     found = []
@@ -239,7 +239,7 @@ def _reassign_cells(field, owner, surfaces, information):  # pragma: no cover - 
     out = owner.copy()
     for y, x in np.ndindex(owner.shape):
         found = owners_around(owner, y, x)
-        if found.size == 0 or (found.size == 1 and owner[y, x] == found[0]):
+        if len(found) == 0 or (len(found) == 1 and owner[y, x] == found[0]):
             continue
         best = -np.inf
         at = -1
@@ -248,7 +248,8 @@ def _reassign_cells(field, owner, surfaces, information):  # pragma: no cover - 
             for a, b in neighbours(owner, y, x):
                 if owner[a, b] == n:
                     value += _NEIGHBOURLY
-            if value > best:
+            # without light all are as likely
+            if value > best or (value == best and n < at):
                 best = value
                 at = n
         expected = _expected_likelihood(surfaces[at, 6], information, y, x)
@@ -259,5 +260,8 @@ def _reassign_cells(field, owner, surfaces, information):  # pragma: no cover - 
 @njit()
 def owners_around(owner, y, x):  # pragma: no cover - compiled
     """The different owners of a cell and its eight neighbours."""
-    near = np.unique(owner[max(y - 1, 0) : y + 2, max(x - 1, 0) : x + 2])
-    return near[near >= 0]
+    found = []
+    for n in owner[max(y - 1, 0) : y + 2, max(x - 1, 0) : x + 2].flat:
+        if n >= 0 and n not in found:
+            found.append(n)
+    return found

@@ -6,7 +6,7 @@ none of the last three.
 
 import numpy as np
 
-from cmtof.compiled import njit
+from cmtof.compiled import inlined, njit
 from cmtof.surfaces.field import Field
 from cmtof.types import Array, Numbers
 
@@ -16,7 +16,7 @@ BENT = np.int64(6)  # and of a bent surface
 FARTHEST = 1e-4  # smallest 1 / z, 1 / m, of a surface
 
 
-@njit(inline="always")
+@inlined
 def depth_at(field, q, y, x):  # pragma: no cover - compiled
     """Depth, m, of a surface at a pixel."""
     u = field.u[x]
@@ -46,7 +46,7 @@ def depth_of_pixels(field, surfaces, which, y, x):  # pragma: no cover - compile
     return out
 
 
-@njit(inline="always")
+@inlined
 def is_possible(field, q, boxes):  # pragma: no cover - compiled
     """Whether a surface lies before the camera and not far beyond the limits."""
     z = depth_at(field, q, boxes[0, 0], boxes[0, 2])

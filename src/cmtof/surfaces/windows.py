@@ -8,11 +8,11 @@ import numpy as np
 from numpy.lib.stride_tricks import sliding_window_view
 from scipy.fft import fft, fftfreq, next_fast_len
 
-from cmtof.compiled import njit
+from cmtof.compiled import inlined, njit
 from cmtof.correlation import TAU
 from cmtof.surfaces.blocks import SIDE, region_of_boxes
 from cmtof.surfaces.field import CELL, Field
-from cmtof.surfaces.fitting import refine
+from cmtof.surfaces.fitting import climb
 from cmtof.surfaces.shapes import BENT, PLANE
 from cmtof.types import Array, Flags, Numbers
 
@@ -124,7 +124,7 @@ def plane_in_window(field, window, information):  # pragma: no cover - compiled
     return plane, best
 
 
-@njit()
+@inlined
 def _depth_of_beat(field, beat, phase):  # pragma: no cover - compiled
     """Depth, m, with that phase nearest to that of a beat, both rad, within the limits."""
     low, high = field.wavenumber
@@ -141,7 +141,7 @@ def _depth_of_beat(field, beat, phase):  # pragma: no cover - compiled
     return max(here + period * whole, period)
 
 
-@njit()
+@inlined
 def _beats(field, window, information):  # pragma: no cover - compiled
     """Beat summed over the blocks for each alias (A, A), and the lower phase at the centre."""
     side = window[2]
@@ -160,7 +160,7 @@ def _beats(field, window, information):  # pragma: no cover - compiled
     return _sums_of_aliases(beats, excess, side), phase
 
 
-@njit()
+@inlined
 def _sums_of_aliases(beats, excess, side):  # pragma: no cover - compiled
     """Sum of the beats of blocks for each alias (A, A): turned back by its whole turns."""
     aliases = np.arange(-_ALIASES, _ALIASES + 1)
@@ -175,24 +175,33 @@ def _sums_of_aliases(beats, excess, side):  # pragma: no cover - compiled
     return out
 
 
-@njit()
+@inlined
 def _blocks(field, window, count):  # pragma: no cover - compiled
     """Sums of both phasors over count x count blocks of a window, turned back by its slope."""
-    top, left, side, down, right = window
-    ramp = np.arange(side) - side // 2
-    sums = np.empty((2, count, count), np.complex128)
+    side = window[2]
+    width = side // count
+    sums = np.zeros((2, count, count), np.complex128)
     for f in range(2):
-        ratio = field.wavenumber[f] / field.wavenumber[0]
-        along = np.exp(-1j * ratio * down * ramp)
-        across = np.exp(-1j * ratio * right * ramp)
-        turned = field.phasor[f, top : top + side, left : left + side] * across
-        turned *= along.reshape(side, 1)
-        turned = turned.reshape(count, side // count, count, side // count)
-        sums[f] = turned.sum(axis=3).sum(axis=1)
+        turned = _turn_window(field, window, f)
+        for y in range(side):
+            for block in range(count):
+                row = turned[y, block * width : (block + 1) * width]
+                sums[f, y // width, block] += np.sum(row)
     return sums
 
 
-@njit()
+@inlined
+def _turn_window(field, window, f):  # pragma: no cover - compiled
+    """Phasors (h, h) of one frequency in a window, turned back by its slope."""
+    top, left, side, down, right = window
+    ramp = np.arange(side) - side // 2
+    ratio = field.wavenumber[f] / field.wavenumber[0]
+    across = np.exp(-1j * ratio * right * ramp)
+    along = np.exp(-1j * ratio * down * ramp).reshape(side, 1)
+    return field.phasor[f, top : top + side, left : left + side] * across * along
+
+
+@inlined
 def _plane(field, window, z, down, right):  # pragma: no cover - compiled
     """The plane through a depth in the middle of a window with slopes, rad/px, of its phase."""
     row = window[0] + window[2] // 2
@@ -211,7 +220,7 @@ def _plane(field, window, z, down, right):  # pragma: no cover - compiled
     return q
 
 
-@njit()
+@inlined
 def _climb_outwards(field, q, window):  # pragma: no cover - compiled
     """Fit a plane to the middle of a window first, then on outwards, for steep phases bend.
 
@@ -228,7 +237,7 @@ def _climb_outwards(field, q, window):  # pragma: no cover - compiled
         if there or information > 100:
             box = np.array([[y, y + core, x, x + core]])
             steps = 3 if there else 2
-            fit = refine(field, region_of_boxes(box), q, PLANE, steps, np.int64(0))
+            fit = climb(field, region_of_boxes(box), q, PLANE, steps)
             if there or fit.likelihood < 0.4 * fit.most:
                 return fit, there
             q = fit.q
