@@ -12,8 +12,7 @@ from pathlib import Path
 import numpy as np
 
 from cmtof.correlation import wrapped
-from cmtof.files import AnyPath
-from cmtof.frame import unreadable_error
+from cmtof.files import AnyPath, reading
 from cmtof.types import Array
 
 
@@ -63,15 +62,11 @@ def read_capture(path: AnyPath) -> tuple[Array, Array | None]:
 
 def _read_map(path: Path) -> Array:
     """Finite numbers (H, W) of a CSV file; a ValueError if there are others."""
-    try:
+    with reading("rows of finite numbers separated by commas", path):
         with warnings.catch_warnings(
             action="ignore"
         ):  # NumPy warns of an empty file: the error below names it
             table = np.loadtxt(path, delimiter=",", ndmin=2)
         if table.size == 0 or not np.isfinite(table).all():
             raise ValueError("NaN or inf" if table.size else "none")
-    except ValueError as error:
-        raise unreadable_error(
-            "rows of finite numbers separated by commas", path, error
-        ) from error
     return table

@@ -28,6 +28,20 @@ def check_input(path: AnyPath, what: str = "a file to read") -> Path:
     return Path(path)
 
 
+@contextmanager
+def reading(
+    expected: str, path: object, advice: str = "Fetch or write it again."
+) -> Iterator[None]:
+    """Context of reading a file: any error in it becomes a ValueError of one line."""
+    try:
+        yield
+    except Exception as error:  # each package raises half a dozen kinds
+        reason = (str(error).splitlines() or [type(error).__name__])[0][:120]
+        raise ValueError(
+            f"Expected {expected}, got {path} ({reason}). {advice}"
+        ) from error
+
+
 def check_heaps(path: Path) -> None:
     """Raise a ValueError if an HDF5 file has a heap that HDF5 would read in an endless loop.
 

@@ -9,7 +9,7 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from cmtof.files import AnyPath, atomic_output, check_input
+from cmtof.files import AnyPath, atomic_output, check_input, reading
 from cmtof.types import Array, Texts
 from cmtof.validation import check_claim, checked_camera, numbers
 
@@ -123,43 +123,30 @@ def held_out_frames() -> list[Frame]:
     return [*map(Frame, steps * HELD_OUT_STEP, light, arrays["camera"], names)]
 
 
-def unreadable_error(
-    expected: str,
-    path: object,
-    error: Exception,
-    advice: str = "Fetch or write it again.",
-) -> ValueError:
-    """ValueError of one line for any error with which a file could not be read."""
-    reason = (str(error).splitlines() or [type(error).__name__])[0][:120]
-    return ValueError(f"Expected {expected}, got {path} ({reason}). {advice}")
-
-
 def read_npz(path: Path) -> dict[str, NDArray]:
     """Arrays of an ``.npz`` by name, never a pickle; a ValueError for whatever is wrong."""
-    try:
+    with reading("a whole .npz file", path):
         with zipfile.ZipFile(check_input(path)) as archive:
             check_claim(
                 sum(m.file_size for m in archive.infolist()), path.stat().st_size
             )
         with np.load(path, allow_pickle=False) as arrays:
             return {name: arrays[name] for name in arrays.files}
-    except Exception as error:  # zipfile, zlib and numpy raise half a dozen kinds
-        raise unreadable_error("a whole .npz file", path, error) from error
 
 
 def list_npz(path: Path) -> Texts:
     """Shape and type, as text, of every array of an ``.npz`` by name; the arrays are not read."""
     found = {}
-    try:
-        with zipfile.ZipFile(check_input(path)) as archive:
-            for member in archive.namelist():
-                with archive.open(member) as file:
-                    version = np.lib.format.read_magic(file)
-                    read = getattr(np.lib.format, f"read_array_header_{version[0]}_0")
-                    shape, _, kind = read(file)
-                    found[member.removesuffix(".npy")] = f"{shape} {kind}"
-    except Exception as error:  # zipfile, zlib and numpy raise half a dozen kinds
-        raise unreadable_error("a whole .npz file", path, error) from error
+    with (
+        reading("a whole .npz file", path),
+        zipfile.ZipFile(check_input(path)) as archive,
+    ):
+        for member in archive.namelist():
+            with archive.open(member) as file:
+                version = np.lib.format.read_magic(file)
+                read = getattr(np.lib.format, f"read_array_header_{version[0]}_0")
+                shape, _, kind = read(file)
+                found[member.removesuffix(".npy")] = f"{shape} {kind}"
     return found
 
 

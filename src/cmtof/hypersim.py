@@ -17,8 +17,8 @@ from typing import Any, NamedTuple
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from cmtof.files import AnyPath, atomic_output, check_input, check_links
-from cmtof.frame import Frame, Source, unreadable_error
+from cmtof.files import AnyPath, atomic_output, check_input, check_links, reading
+from cmtof.frame import Frame, Source
 from cmtof.types import Array, Named, Shape, Texts
 from cmtof.validation import check_claim
 
@@ -156,13 +156,11 @@ class Hypersim:
         path = next((place for place in places if place.is_file()), None)
         if path is None:
             return []
-        try:
-            with path.open(encoding="utf-8-sig", newline="") as file:
-                return [parse(row) for row in csv.DictReader(file)]
-        except (csv.Error, KeyError, TypeError, ValueError) as error:
-            raise unreadable_error(
-                "the data set's columns and numbers", path, error
-            ) from error
+        with (
+            reading("the data set's columns and numbers", path),
+            path.open(encoding="utf-8-sig", newline="") as file,
+        ):
+            return [parse(row) for row in csv.DictReader(file)]
 
 
 def is_hypersim(folder: Path) -> bool:
@@ -240,7 +238,7 @@ def read_array(path: Path, dimensions: int) -> NDArray:
     import h5py
 
     check_input(path, "a file of the data set")
-    try:
+    with reading("a whole HDF5 file with the key dataset", path):
         with h5py.File(path, "r") as file:
             check_links(file)
             stored: Any = file["dataset"]
@@ -250,12 +248,6 @@ def read_array(path: Path, dimensions: int) -> NDArray:
             raise ValueError(
                 f"{array.dtype} {array.shape}, no numbers on {dimensions} axes"
             )
-    except (
-        Exception
-    ) as error:  # h5py raises OSError, KeyError and RuntimeError by kind of damage
-        raise unreadable_error(
-            "a whole HDF5 file with the key dataset", path, error
-        ) from error
     return array
 
 

@@ -5,8 +5,8 @@ from pathlib import Path
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from cmtof.files import AnyPath, check_input
-from cmtof.frame import Frame, light_note, ray_lengths, unreadable_error
+from cmtof.files import AnyPath, check_input, reading
+from cmtof.frame import Frame, light_note, ray_lengths
 from cmtof.types import Array
 
 # Suffixes that `read_image` reads; only PNG, PGM, PFM and NPY hold depth.
@@ -69,7 +69,7 @@ def read_image(path: Path) -> NDArray:
             f"Expected an image out of {', '.join(READ)}, got {path.name}. "
             "Convert it: numpy.save('depth.npy', imageio.v3.imread(…)[..., 0])."
         )
-    try:
+    with reading("a PNG image (or JPEG for colour)", path):
         if path.suffix == ".npy":
             return np.array(
                 np.load(check_input(path), mmap_mode="r", allow_pickle=False)
@@ -79,12 +79,6 @@ def read_image(path: Path) -> NDArray:
             pixels = np.asarray(
                 image.convert("RGB") if image.mode in ("P", "1") else image
             )
-    except (
-        Exception
-    ) as error:  # Pillow raises OSError, SyntaxError and, for bombs, its own kind
-        raise unreadable_error(
-            "a PNG image (or JPEG for colour)", path, error
-        ) from error
     # Pillow opens some 16-bit greys as 32-bit integers
     return pixels.astype(np.uint16) if pixels.dtype == np.int32 else pixels
 

@@ -19,8 +19,8 @@ from cmtof.files import (
     check_input,
     check_links,
     check_output,
+    reading,
 )
-from cmtof.frame import unreadable_error
 from cmtof.types import Fields
 from cmtof.validation import check_claim
 
@@ -61,9 +61,10 @@ def open_netcdf(path: AnyPath) -> Iterator[Dataset]:
     hook, sys.unraisablehook = sys.unraisablehook, lambda _: None
     reason = None
     try:  # h5netcdf's destructor would print a traceback of its own for a damaged file
-        handle = _open_handle(path)
-    except Exception as error:
-        reason = unreadable_error("a whole netCDF4 file", path, error)
+        with reading("a whole netCDF4 file", path):
+            handle = _open_handle(path)
+    except ValueError as error:
+        reason = ValueError(*error.args)  # without the traceback, which holds the file
     finally:
         if reason:
             gc.collect()
@@ -108,16 +109,9 @@ def _with_dimension_names(handle: Dataset) -> Dataset:
 
 def load_into_memory(dataset: Dataset) -> Dataset:
     """The same part of an opened dataset, read into memory; a ValueError if its file is damaged."""
-    try:
+    source = dataset.encoding.get("source", "a part of it")
+    with reading("a whole netCDF4 file", source):
         return dataset.load()
-    except (
-        Exception
-    ) as error:  # h5py raises OSError, KeyError and RuntimeError by kind of damage
-        raise unreadable_error(
-            "a whole netCDF4 file",
-            dataset.encoding.get("source", "a part of it"),
-            error,
-        ) from error
 
 
 def read_dataset(path: AnyPath) -> Dataset:

@@ -37,8 +37,8 @@ from cmtof.network.weights import (
     Card,
     WeightsRefused,
     find_weights,
+    fitting,
     read_weights,
-    weights_error,
 )
 from cmtof.simulation import QUADRATURES
 from cmtof.types import Array, Arrays, Shape, Single, Texts
@@ -78,10 +78,8 @@ def load_network(path: Path) -> LoadedNetwork:
     ready = LoadedNetwork(
         f"{card.model}.{card.protocol} {card.sha256} {os.getpid()}", card, arrays
     )
-    try:
+    with fitting(path, card):
         metadata_of(ready)
-    except Exception as error:  # ONNX Runtime raises a dozen kinds
-        raise weights_error(path, card, error) from error
     return ready
 
 

@@ -23,8 +23,7 @@ from torch import Tensor, nn
 from torch.utils.data import DataLoader
 
 from cmtof import __version__
-from cmtof.files import atomic_output, exclusive_lock
-from cmtof.frame import unreadable_error
+from cmtof.files import atomic_output, exclusive_lock, reading
 from cmtof.network import weights
 from cmtof.network.data import (
     Batch,
@@ -300,13 +299,11 @@ def _check_checkpoint(last: Path, config: Config, resume: bool) -> None:
             f"Expected a new folder, got a run in {last.parent}. "
             "Pass --resume, or choose another."
         )
-    try:
+    with reading("a whole checkpoint", last):
         if spoilt := zipfile.ZipFile(last).testzip():
             raise ValueError(f"{spoilt} is damaged")
         checkpoint = torch.load(last, map_location="cpu", weights_only=True)["cmtof"]
         stored = checkpoint["config"]
-    except Exception as error:  # pickle, zipfile and torch raise half a dozen kinds
-        raise unreadable_error("a whole checkpoint", last, error) from error
     if stored != config.model_dump_json():
         raise ValueError(
             f"Expected the configuration of {last}, got another. Choose another folder."

@@ -5,6 +5,7 @@ Nothing is ever unpickled. Inference reads weights as NumPy arrays, training as 
 
 import hashlib
 import json
+from contextlib import AbstractContextManager
 from pathlib import Path
 from typing import Annotated, Any, NamedTuple
 
@@ -12,8 +13,7 @@ import numpy as np
 from numpy.typing import NDArray
 from pydantic import BaseModel, ConfigDict, Field, PositiveInt
 
-from cmtof.files import atomic_output, check_input, read_small_file
-from cmtof.frame import unreadable_error
+from cmtof.files import atomic_output, check_input, read_small_file, reading
 from cmtof.network.features import CLASSES
 from cmtof.simulation import Protocol
 from cmtof.types import Fields, Texts, Values
@@ -129,12 +129,8 @@ def save_weights(path: Path, network: Network, card: Card) -> None:
 def read_card(weights: Path) -> Card:
     """Card of a file of weights; a ValueError if it is missing or damaged."""
     path = weights.with_suffix(".json")
-    try:
+    with reading(f"the card of {weights.name}", path, "Keep both together."):
         values = json.loads(read_small_file(path))
-    except (OSError, ValueError, RecursionError) as error:
-        raise ValueError(
-            f"Expected the card of {weights.name} in {path}, got {error}. Keep both together."
-        ) from error
     return checked_values(Card, values, path)
 
 
@@ -143,13 +139,12 @@ def read_weights(path: Path) -> tuple[dict[str, NDArray], Card]:
 
     Raises a ValueError if the file or its card is missing, damaged, or does not match the other.
     """
-    from safetensors import SafetensorError
     from safetensors.numpy import load
 
     content = check_input(path, "weights, *.safetensors").read_bytes()
     card = read_card(path)
     found = hashlib.sha256(content).hexdigest()
-    try:
+    with fitting(path, card):
         if (card.first_wrap, card.classes) != CLASSES[card.protocol]:
             raise WeightsRefused(f"no such model with {card.classes} classes")
         if found != card.sha256:
@@ -159,19 +154,13 @@ def read_weights(path: Path) -> tuple[dict[str, NDArray], Card]:
         arrays = load(content)
         if not all(np.isfinite(array).all() for array in arrays.values()):
             raise WeightsRefused("NaN or infinity")
-    except (WeightsRefused, SafetensorError) as error:
-        raise weights_error(path, card, error) from error
     return arrays, card
 
 
-def weights_error(path: Path, card: Card, error: Exception) -> ValueError:
-    """ValueError for weights that cannot be used, with the reason."""
-    return unreadable_error(
-        f"finite weights of {card.model} that fit their card",
-        path,
-        error,
-        "Fetch or train them again.",
-    )
+def fitting(path: Path, card: Card) -> AbstractContextManager[None]:
+    """Context of reading weights: any error in it becomes a ValueError that names them."""
+    expected = f"finite weights of {card.model} that fit their card"
+    return reading(expected, path, "Fetch or train them again.")
 
 
 def load_weights(path: Path) -> Trained:
@@ -181,13 +170,11 @@ def load_weights(path: Path) -> Trained:
     from cmtof.network.models import MODELS, build_network
 
     arrays, card = read_weights(path)
-    try:
+    with fitting(path, card):
         if card.model not in MODELS:
             raise WeightsRefused("no such model")
         network = build_network(card.model, card.protocol)
         network.load_state_dict(
             {name: torch.from_numpy(x) for name, x in arrays.items()}
         )
-    except RuntimeError as error:
-        raise weights_error(path, card, error) from error
     return Trained(network.eval(), card)
