@@ -23,7 +23,7 @@ from cmtof.correlation import Decoded, decode
 from cmtof.files import AnyPath, check_input
 from cmtof.storage import load_into_memory, read_dataset, save_dataset
 from cmtof.types import Array, Fields, Flags, Named, Pair, Shape
-from cmtof.validation import numbers
+from cmtof.validation import checked_frequencies, numbers
 
 
 class Measurement:
@@ -48,7 +48,7 @@ class Measurement:
         (by default from 0 to where two frequencies repeat themselves); and anything else that the
         file should hold as an attribute.
         """
-        frequencies = np.atleast_1d(numbers(frequencies, "frequencies"))
+        frequencies = checked_frequencies(frequencies)
         psi = numbers(psi, "psi")
         if psi.ndim == 1:
             psi = np.broadcast_to(psi, (frequencies.size, psi.size))
@@ -71,7 +71,7 @@ class Measurement:
         **more: Any,
     ) -> "Measurement":
         """Measurement of phase maps (F, H, W), rad, where correlations were not kept."""
-        frequencies = np.atleast_1d(numbers(frequencies, "frequencies"))
+        frequencies = checked_frequencies(frequencies)
         variables = {"phase": phase, "amplitude": amplitude}
         return cls(_dataset(variables, {"frequency": frequencies}, more))
 
@@ -288,8 +288,8 @@ def _open_npz(path: Path) -> Measurement:
             f"Expected arrays {', '.join(needed)} in {path}, got {', '.join(sorted(arrays))}. "
             "A frame of depth and intensity becomes a measurement by `cmtof simulate`."
         )
-    more = {k: arrays[k] for k in ("depth", "mask", "camera") if k in arrays}
-    more |= {k: arrays[k].item() for k in ("range_min", "range_max") if k in arrays}
+    optional = ("depth", "mask", "camera", "range_min", "range_max")
+    more = {name: arrays[name][()] for name in optional if name in arrays}
     stacks = map(arrays.__getitem__, needed)
     return Measurement.from_arrays(*stacks, source=path.name, **more)
 
