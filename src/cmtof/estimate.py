@@ -35,7 +35,8 @@ class Components(NamedTuple):
 class Estimate(NamedTuple):
     """Depth and confidence that an unwrapping method returns."""
 
-    depth: Array  # best depth (H, W), m; it need not agree with the measured phase
+    # best depth (H, W), m; it need not agree with the measured phase, nor lie in the range
+    depth: Array
     confidence: Array  # probability in [0, 1] that the wrap is right (H, W)
     components: Components | None = None  # of methods that know them
 
@@ -98,7 +99,7 @@ def without_holes(measurement: Measurement) -> Measurement:
 
 
 def phase_noise(measurement: Measurement) -> Array:
-    """Phase noise of the first two frequencies (2, H, W), rad: `seen_noise` and `hidden_noise`."""
+    """Phase noise of both frequencies (2, H, W), rad: `seen_noise` and `hidden_noise`."""
     seen = seen_noise(measurement)
     return np.hypot(seen, hidden_noise(measurement, seen))
 
@@ -111,7 +112,7 @@ def hidden_noise(measurement: Measurement, seen: Array) -> float:
     ratio m, so that depth hardly moves a beat: by their differences beyond the noise that is
     ``seen`` (2, H, W), rad.
     """
-    low, high = measurement.frequencies[:2]
+    low, high = measurement.frequencies
     ratio = high / low
     multiple = round(ratio)
     if abs(ratio - multiple) > _SLOW:
@@ -138,13 +139,13 @@ def seen_noise(measurement: Measurement) -> Array:
     The noise s of a sample is that of the fit's residual, a the amplitude. It is one radian where
     only phases or three steps were kept, infinite without signal.
     """
-    amplitude = measurement.amplitude[:2]
+    amplitude = measurement.amplitude
     known = amplitude > 0
     dataset = measurement.dataset
     if "correlation" not in dataset or dataset.sizes["step"] < 4:
         return np.where(known, 1.0, np.inf)
-    images = dataset["correlation"].to_numpy()[:2]
-    psi = dataset["psi"].to_numpy()[:2]
+    images = dataset["correlation"].to_numpy()
+    psi = dataset["psi"].to_numpy()
     sample = np.array([*map(_sample_noise, images, psi)])
     linear = np.sqrt(2 / psi.shape[1]) * sample[:, None, None]
     return np.where(known, linear / np.where(known, amplitude, 1), np.inf)

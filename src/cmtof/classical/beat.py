@@ -58,8 +58,8 @@ def synthetic_frequency(low: float, high: float) -> Synthetic:
 
 def beat_polar(measurement: Measurement) -> Arrays:
     """Magnitude ``|p_1| |p_2|``, counts^2, 0 where unknown, and phase, rad, of the beat, (H, W)."""
-    synthetic = synthetic_frequency(*measurement.frequencies[:2])
-    low, high = measurement.phase[:2]
+    synthetic = synthetic_frequency(*measurement.frequencies)
+    low, high = measurement.phase
     size = np.nan_to_num(measurement.amplitude[0] * measurement.amplitude[1])
     return size, synthetic.sign * (high - synthetic.multiple * low)
 
@@ -108,7 +108,7 @@ def guides(measurement: Measurement) -> Array:
     p(x)`` over 11 x 11 px, p the phasor of the lowest frequency. The sum's length over that of
     lengths, the coherence, sinks at edges.
     """
-    amplitude = np.nan_to_num(measurement.amplitude[:2])
+    amplitude = np.nan_to_num(measurement.amplitude)
     phasor = amplitude[0] * np.exp(1j * measurement.phase[0])
     coherence = np.ones(phasor.shape)
     slopes = []
@@ -180,7 +180,7 @@ def _solve(matrix: Array, right_side: Complex) -> Complex:
 
 def beat_depth(phase: Array, measurement: Measurement) -> Array:
     """Depth in range, m, of a beat phase, rad; the nearest end of the range if it lies outside."""
-    synthetic = synthetic_frequency(*measurement.frequencies[:2])
+    synthetic = synthetic_frequency(*measurement.frequencies)
     middle = sum(measurement.range) / 2
     turns = centred(phase - phase_from_depth(middle, synthetic.frequency)) / TAU
     return within_range(middle + turns * wrap_length(synthetic.frequency), measurement)
@@ -190,7 +190,7 @@ def _estimate_from_mean(
     mean: NDArray, size: Array, window: int, measurement: Measurement
 ) -> Estimate:
     """Estimate from an averaged beat phasor; its confidence allows for noise and sloping depth."""
-    tones = measurement.frequencies[:2]
+    tones = measurement.frequencies
     spread = noise_of_mean(mean, uniform_filter(size**2, window), window**2)
     depth = beat_depth(np.angle(mean), measurement)
     wraps = depth / wrap_length(tones[0])
@@ -219,7 +219,7 @@ def estimate_with_beat(depth: Array, odds: Array, measurement: Measurement) -> E
     by r > 2 standard deviations (half a wrap at least), the odds are multiplied by
     ``exp(2 - r^2 / 2)``. Then they are calibrated by `CALIBRATION`.
     """
-    synthetic = synthetic_frequency(*measurement.frequencies[:2])
+    synthetic = synthetic_frequency(*measurement.frequencies)
     size, angle = beat_polar(measurement)
     difference = angle - phase_from_depth(depth, synthetic.frequency)
     difference -= TAU * np.rint(difference / TAU)

@@ -17,7 +17,7 @@ from cmtof.correlation import (
     depth_from_wraps,
     wrap_length,
 )
-from cmtof.estimate import Estimate, phase_noise, within_range, wraps_in_range
+from cmtof.estimate import Estimate, phase_noise, wraps_in_range
 from cmtof.measurement import Measurement
 from cmtof.types import Array, Numbers
 
@@ -45,7 +45,7 @@ def crt_closed_form(measurement: Measurement) -> Estimate:
 
     ``n_1 = q k_2^{-1} mod k_1``, ``q = round((r_2 - r_1) / M)``: depths run over ``c / 2g``, 15 m.
     """
-    frequencies = measurement.frequencies[:2]
+    frequencies = measurement.frequencies
     low, high = map(round, frequencies)
     common = gcd(low, high)
     k1 = low // common
@@ -55,9 +55,7 @@ def crt_closed_form(measurement: Measurement) -> Estimate:
             "Expected frequencies with a large common divisor, "
             f"got {low} and {high} Hz with {common} Hz. Round them to whole MHz."
         )
-    first, second = (
-        measurement.phase[:2] * wrap_length(frequencies)[:, None, None] / TAU
-    )
+    first, second = measurement.phase * wrap_length(frequencies)[:, None, None] / TAU
     unit = wrap_length(low) / k2
     q = np.rint((second - first) / unit).astype(np.int64)
     wraps = q * pow(k2, -1, k1) % k1
@@ -78,7 +76,7 @@ def nearest_wrap(measurement: Measurement) -> tuple[Numbers, Array]:
     """
     ratio = measurement.frequencies[1] / measurement.frequencies[0]
     first, last = wraps_in_range(measurement)
-    phase = measurement.phase[:2] / TAU
+    phase = measurement.phase / TAU
     step = ratio - round(ratio)
     first_misfit = phase[1] - ratio * phase[0] - step * first  # turns
     first_misfit -= np.rint(first_misfit)
@@ -101,14 +99,12 @@ def fused_depth(measurement: Measurement, wraps: Numbers, residual: Array) -> Ar
 
     ``wraps`` and ``residual``, rad, are those of `nearest_wrap`.
     """
-    low, high = measurement.frequencies[:2]
-    amplitude = np.nan_to_num(measurement.amplitude[:2])
-    weights = (amplitude * measurement.frequencies[:2, None, None]) ** 2
+    low, high = measurement.frequencies
+    amplitude = np.nan_to_num(measurement.amplitude)
+    weights = (amplitude * measurement.frequencies[:, None, None]) ** 2
     share = weights[1] / np.maximum(weights.sum(axis=0), np.finfo(float).tiny)
-    depth = depth_from_wraps(
-        measurement.phase[0], wraps, low
-    ) + share * depth_from_phase(residual, high)
-    return within_range(depth, measurement)
+    depth = depth_from_wraps(measurement.phase[0], wraps, low)
+    return depth + share * depth_from_phase(residual, high)
 
 
 def _misfit_noise(

@@ -47,12 +47,12 @@ def kde(
             "Expected a kernel of 0 to 100 wraps, a radius of 1 to 999 px, "
             f"got {kernel} and {radius}. Try {KERNEL} and {RADIUS}."
         )
-    low, high = measurement.frequencies[:2]
+    low, high = measurement.frequencies
     first, _ = wraps_in_range(measurement)
     label, best, total = _largest_density(measurement, kernel, radius)
     dense = best > 1e-32  # else no neighbour counts, and the least misfit decides
     wraps = np.where(dense, label + first, nearest_wrap(measurement)[0])
-    phase = measurement.phase[:2]
+    phase = measurement.phase
     residual = centred(phase[1] - high / low * (phase[0] + TAU * wraps))
     share = np.minimum(best / np.where(dense, total, 1), 1)
     return Estimate(
@@ -68,9 +68,9 @@ def kde_tuned(measurement: Measurement) -> Estimate:
 
 def hypotheses(measurement: Measurement) -> Iterator[Single]:
     """Weight w_j (H, W), 0 to 1, of each wrap in range, one after the other."""
-    low, high = measurement.frequencies[:2]
+    low, high = measurement.frequencies
     first, last = wraps_in_range(measurement)
-    phase = measurement.phase[:2]
+    phase = measurement.phase
     noise = phase_noise(measurement)
     ratio = high / low
     # at least a quarter of the step from wrap to wrap: without noise no weight may vanish

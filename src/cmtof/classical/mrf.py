@@ -88,7 +88,7 @@ def mrf_graphcut(measurement: Measurement) -> Estimate:
 
 def wrap_field(measurement: Measurement) -> RandomField:
     """Smoothed phases and beat of a measurement, weighted by their noise."""
-    low, high = measurement.frequencies[:2]
+    low, high = measurement.frequencies
     synthetic = synthetic_frequency(low, high)
     phasors = _phasors(measurement)
     slope = _slope(phasors[0])
@@ -112,9 +112,9 @@ def wrap_field(measurement: Measurement) -> RandomField:
 
 def _phasors(measurement: Measurement) -> Complex:
     """Phasors (2, H, W), counts; zero where one of them is unknown."""
-    amplitude = measurement.amplitude[:2]
+    amplitude = measurement.amplitude
     known = np.isfinite(amplitude).all(axis=0)
-    return np.where(known, amplitude, 0) * np.exp(1j * measurement.phase[:2])
+    return np.where(known, amplitude, 0) * np.exp(1j * measurement.phase)
 
 
 def _sharpness(size: Array, noise: Array) -> Array:

@@ -31,7 +31,7 @@ def phasor(measurement: Measurement) -> Estimate:
     The confidence is the odds that noise leaves the beat within half a wrap, no less than those of
     a guess. ValueError if the beat repeats within the range.
     """
-    tones = measurement.frequencies[:2]
+    tones = measurement.frequencies
     low, high = tones
     extent = np.ptp(measurement.range)
     covered = wrap_length(high - low)
@@ -43,8 +43,8 @@ def phasor(measurement: Measurement) -> Estimate:
         )
     noise = phase_noise(measurement)
     known = np.isfinite(noise).all(axis=0)
-    phase = np.where(known, measurement.phase[:2], 0)
-    amplitude = np.where(known, measurement.amplitude[:2], 0)
+    phase = np.where(known, measurement.phase, 0)
+    amplitude = np.where(known, measurement.amplitude, 0)
     best = np.full(measurement.shape, np.mean(measurement.range))
     # a pixel without signal stays in the middle
     best_value = np.where(known, -np.inf, np.inf)

@@ -6,7 +6,7 @@ every true surface but not its place: phasors demodulated by the true depth, ``a
 both the whole wraps. They are no bounds: neighbours could place small and dark surfaces.
 """
 
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from functools import partial
 from typing import Any
 
@@ -22,7 +22,7 @@ from cmtof.correlation import (
     depth_from_wraps,
     phase_from_depth,
 )
-from cmtof.estimate import Estimate, within_range
+from cmtof.estimate import Estimate
 from cmtof.hardness import BEND, bends
 from cmtof.measurement import Measurement
 from cmtof.types import Array, Complex, Flags, Numbers
@@ -46,22 +46,22 @@ def reference_depth(measurement: Measurement) -> Estimate:
     depth = np.where(
         known, depth_from_wraps(phase, wraps, frequency), sum(measurement.range) / 2
     )
-    return Estimate(within_range(depth, measurement), known.astype(float))
+    return Estimate(depth, known.astype(float))
 
 
 def reference_offset(measurement: Measurement) -> Estimate:
     """True surfaces, one unknown offset each, found by the beat of the summed phasors."""
-    return _estimate_from_shapes(measurement, surfaces(_truth(measurement)))
+    return _estimate_from_shapes(measurement, surfaces)
 
 
 def reference_contact(measurement: Measurement) -> Estimate:
     """True bodies, across creases, one unknown offset each, found by the beat of their phasors."""
-    return _estimate_from_shapes(measurement, bodies(_truth(measurement)))
+    return _estimate_from_shapes(measurement, bodies)
 
 
 def reference_field(measurement: Measurement, *, side: int = SIDE) -> Estimate:
     """True surfaces, their phasors summed in a square of odd ``side``, px, about each pixel."""
-    return _estimate_from_shapes(measurement, surfaces(_truth(measurement)), side=side)
+    return _estimate_from_shapes(measurement, surfaces, side)
 
 
 def surfaces(depth: Array) -> Numbers:
@@ -95,19 +95,20 @@ def _truth(measurement: Measurement) -> Array:
 
 
 def _estimate_from_shapes(
-    measurement: Measurement, surface: Numbers, side: int = 0
+    measurement: Measurement, shapes: Callable[[Array], Numbers], side: int = 0
 ) -> Estimate:
-    """Estimate of surfaces of true shape, at offsets from the phasors summed over each.
+    """Estimate of true shapes, at offsets from the phasors summed over each.
 
     With an odd ``side``, px, phasors are summed only over a square about each pixel.
     """
     truth = _truth(measurement)
+    surface = shapes(truth)
     known = np.isfinite(truth)
     shape = np.nan_to_num(truth)
     # turned back by the true depth; zero where it is unknown
-    true_phase = phase_from_depth(shape, measurement.frequencies[:2, None, None])
-    amplitude = np.nan_to_num(measurement.amplitude[:2])
-    phasors = amplitude * np.exp(1j * (measurement.phase[:2] - true_phase))
+    true_phase = phase_from_depth(shape, measurement.frequencies[:, None, None])
+    amplitude = np.nan_to_num(measurement.amplitude)
+    phasors = amplitude * np.exp(1j * (measurement.phase - true_phase))
     if side:
         sums = [_pool_within(one, surface, side) for one in phasors]
         middle = shape
@@ -117,15 +118,15 @@ def _estimate_from_shapes(
         middle = mean_over(shape, surface, known & measurement.mask)[surface]
     depth = shape + _offset(sums, middle, measurement)
     odds = wrap_probability(
-        sums[0].spread, sums[1].spread, frequencies=measurement.frequencies[:2]
+        sums[0].spread, sums[1].spread, frequencies=measurement.frequencies
     )
     depth = np.where(known, depth, sum(measurement.range) / 2)
-    return Estimate(within_range(depth, measurement), np.where(known, odds, 0))
+    return Estimate(depth, np.where(known, odds, 0))
 
 
 def _offset(sums: list[Pooled], middle: Array, measurement: Measurement) -> Array:
     """Offset (H, W), m, to add to a shape of mean depth ``middle``, m, from both summed phasors."""
-    low, high = measurement.frequencies[:2]
+    low, high = measurement.frequencies
     synthetic = synthetic_frequency(low, high)
     beat = synthetic.sign * (sums[1].phase - synthetic.multiple * sums[0].phase)
     return whole_wraps(beat, middle, measurement, depth_from_phase(sums[0].phase, low))

@@ -61,9 +61,7 @@ def spatial(measurement: Measurement) -> Estimate:
     relative = relative_phase(measurement)
     middle = phase_from_depth(sum(measurement.range) / 2, frequency)
     offset = np.rint((middle - np.median(relative[measurement.mask])) / TAU)
-    depth = within_range(
-        depth_from_phase(relative + TAU * offset, frequency), measurement
-    )
+    depth = depth_from_phase(relative + TAU * offset, frequency)
     return Estimate(depth, guess_probability(measurement))
 
 
@@ -74,7 +72,7 @@ def region(measurement: Measurement) -> Estimate:
     the beat, demodulated by the relative depth, gives the whole wraps of each. They are as sure as
     its patches agree, the middle one of which depths that leak in cannot move.
     """
-    frequencies = measurement.frequencies[:2]
+    frequencies = measurement.frequencies
     mask = measurement.mask
     phase = relative_phase(measurement)
     bright, coherent = guides(measurement)[:2]
@@ -183,7 +181,7 @@ def whole_wraps(
     ``beat`` is the phase that is left after the shape, rad; ``middle`` is the mean depth of the
     shape, m, which comes into the range with the offset.
     """
-    turned = _beat_phase(middle, measurement.frequencies[:2])
+    turned = _beat_phase(middle, measurement.frequencies)
     coarse = beat_depth(beat + turned, measurement) - middle
     length = wrap_length(measurement.frequencies[0])
     return fraction + length * np.rint((coarse - fraction) / length)

@@ -3,7 +3,7 @@
 import numpy as np
 
 from cmtof.correlation import wrap_count_from_depth, wrap_length
-from cmtof.estimate import Estimate, guess_probability, within_range
+from cmtof.estimate import Estimate, guess_probability
 from cmtof.measurement import Measurement
 
 
@@ -35,4 +35,4 @@ def mode(measurement: Measurement) -> Estimate:
     most = stats.mode(wrap_count_from_depth(known, frequency))
     depth = np.full(measurement.shape, (most.mode + 0.5) * wrap_length(frequency))
     share = np.full(measurement.shape, most.count / known.size)
-    return Estimate(within_range(depth, measurement), share)
+    return Estimate(depth, share)
