@@ -18,7 +18,9 @@ from cmtof.correlation import TAU
 def random_field(rng, height, width, labels):
     return mrf.RandomField(
         rng.uniform(0, TAU, (height, width)).astype(np.float32),
-        rng.normal(0, 2 * mrf.JUMP, (height, width, 2)).astype(np.float32),
+        rng.normal(0, 2 * mrf.JUMP, (height, width, 2))
+        .astype(np.float32)
+        .view("c8")[..., 0],
         rng.normal(size=(2, labels)).astype(np.float32),
         0,
     )

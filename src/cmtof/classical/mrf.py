@@ -48,15 +48,14 @@ class RandomField(NamedTuple):
     """The random field of a measurement."""
 
     phase: Single  # smoothed, (H, W), rad; the labels belong to it
-    beat: Single  # (H, W, 2), kappa (cos, sin) of what label 0 leaves of the beat
+    beat: Complex  # (H, W), kappa exp(i r) of what label 0 leaves of the beat
     waves: Single  # (2, N), cosine and sine of the angle of the beat at each label
     first: int  # wrap of label 0
 
     def unary(self, labels: Numbers) -> Array:
         """Cost (H, W) of labels (H, W) but for a constant."""
         cosine, sine = self.waves[:, labels]
-        real, imaginary = np.moveaxis(self.beat, -1, 0)
-        return -(real * cosine + imaginary * sine)
+        return -(self.beat.real * cosine + self.beat.imag * sine)
 
     def depth(self, labels: Numbers, measurement: Measurement) -> Array:
         """Depth (H, W), m, of labels (H, W)."""
@@ -104,7 +103,7 @@ def wrap_field(measurement: Measurement) -> RandomField:
     angles = TAU * share * np.arange(last - first + 1)
     return RandomField(
         mean_phase.astype(np.float32),
-        np.stack([turned.real, turned.imag], axis=-1).astype(np.float32),
+        turned.astype(np.complex64),
         np.array([np.cos(angles), np.sin(angles)], np.float32),
         first,
     )
@@ -192,9 +191,9 @@ def semi_global_labels(field: RandomField) -> tuple[Numbers, Single]:
         )
     labels = np.empty(field.phase.shape, np.intp)
     odds = np.empty_like(field.phase)
-    for y, beat in enumerate(field.beat):
+    for y, beat in enumerate(field.beat[..., None]):
         # each path counts the pixel's own cost, which counts once
-        own = beat[:, :1] * cosine + beat[:, 1:] * sine
+        own = beat.real * cosine + beat.imag * sine
         cost = total[y] + 7 * own
         labels[y] = cost.argmin(axis=1)
         odds[y] = 1 / np.exp(
@@ -214,7 +213,7 @@ def _add_path(
     for y, x in np.ndindex(phase.shape):
         here = costs[y % 2, x]
         own = beat[y, x]
-        here[:] = -(own[0] * cosine + own[1] * sine)
+        here[:] = -(own.real * cosine + own.imag * sine)
         if y >= down and x >= right:
             before = (y - down, x - right)
             fall = phase[before] - phase[y, x]
