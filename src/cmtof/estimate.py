@@ -139,16 +139,14 @@ def seen_noise(measurement: Measurement) -> Array:
     The noise s of a sample is that of the fit's residual, a the amplitude. It is one radian where
     only phases or three steps were kept, infinite without signal.
     """
-    amplitude = measurement.amplitude
-    known = amplitude > 0
+    known = measurement.amplitude > 0
     dataset = measurement.dataset
     if "correlation" not in dataset or dataset.sizes["step"] < 4:
         return np.where(known, 1.0, np.inf)
-    images = dataset["correlation"].to_numpy()
     psi = dataset["psi"].to_numpy()
-    sample = np.array([*map(_sample_noise, images, psi)])
+    sample = np.array([*map(_sample_noise, dataset["correlation"].to_numpy(), psi)])
     linear = np.sqrt(2 / psi.shape[1]) * sample[:, None, None]
-    return np.where(known, linear / np.where(known, amplitude, 1), np.inf)
+    return np.where(known, linear / np.where(known, measurement.amplitude, 1), np.inf)
 
 
 def _sample_noise(images: NDArray, psi: Array) -> float:

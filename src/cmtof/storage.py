@@ -109,8 +109,9 @@ def _with_dimension_names(handle: Dataset) -> Dataset:
 
 def load_into_memory(dataset: Dataset) -> Dataset:
     """The same part of an opened dataset, read into memory; a ValueError if its file is damaged."""
-    source = dataset.encoding.get("source", "a part of it")
-    with reading("a whole netCDF4 file", source):
+    with reading(
+        "a whole netCDF4 file", dataset.encoding.get("source", "a part of it")
+    ):
         return dataset.load()
 
 

@@ -111,9 +111,8 @@ def wrap_field(measurement: Measurement) -> RandomField:
 
 def _phasors(measurement: Measurement) -> Complex:
     """Phasors (2, H, W), counts; zero where one of them is unknown."""
-    amplitude = measurement.amplitude
-    known = np.isfinite(amplitude).all(axis=0)
-    return np.where(known, amplitude, 0) * np.exp(1j * measurement.phase)
+    known = np.isfinite(measurement.amplitude).all(axis=0)
+    return np.where(known, measurement.amplitude, 0) * np.exp(1j * measurement.phase)
 
 
 def _sharpness(size: Array, noise: Array) -> Array:

@@ -86,7 +86,7 @@ def _peak(
 ) -> Array:
     """Depth (H, W), m, of the peak of F at a wrap, from the phasors' sum and one Newton step."""
     low, high = frequencies
-    tones = np.reshape(frequencies, (2, 1, 1))
+    tones = frequencies[:, None, None]
     depth = depth_from_phase(phase[0] + TAU * np.asarray(wraps), low)
     apart = phase[1] - phase_from_depth(depth, high)
     total = amplitude[0] + amplitude[1] * np.exp(1j * apart)
