@@ -65,6 +65,13 @@ def test_impossible_frames_are_refused_alike_from_arrays_and_files(arrays, messa
         load_frame("a.npz")
 
 
+@mark.parametrize("option", [{"intensity": "light.png"}, {"depth_scale": 5000.0}])
+def test_options_of_images_are_refused_beside_an_archive(option):
+    Frame(ONES, ONES).save("a.npz")
+    with refused("Leave these out"):
+        load_frame("a.npz", **option)
+
+
 def test_an_archive_that_claims_more_than_it_holds_is_refused_before_it_is_read():
     path = Path("a.npz")
     Frame(ONES, ONES).save(path)

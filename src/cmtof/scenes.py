@@ -41,10 +41,16 @@ def load_frame(
     if path.is_dir():
         return frames_in(path, **given)[0].load()
     check_input(path, f"a frame file or one of {', '.join(known)}")
-    if path.suffix == ".npz":
-        return frame_from_npz(path, given.get("camera"))
     if path.suffix in DEPTHS:
         return frame_from_pair(path, intensity, **given)
+    camera = given.pop("camera", None)
+    if intensity or any(given.values()):
+        raise ValueError(
+            f"Expected light, scale and kind of depth within {path.name}, got them as options. "
+            "Leave these out."
+        )
+    if path.suffix == ".npz":
+        return frame_from_npz(path, camera)
     if path.suffix == ".hdf5":
         return frame_of_file(path)
     raise ValueError(

@@ -48,6 +48,14 @@ def test_closed_form_survives_errors_up_to_its_bound(rng, offset):
     assert (error[keep].max() < 1e-4) == (offset < 0.5)
 
 
+def test_closed_form_beyond_its_bound_is_no_surer_than_a_guess(rng):
+    """At 7 and 14 GHz depths repeat from wrap to wrap, 327 times within 7 m."""
+    phase = rng.uniform(0, TAU, (4, 4))
+    pair = [7e9, 14e9]
+    m = Measurement.from_phase([phase, 2 * phase % TAU], pair, range_max=7.0)
+    assert (crt.crt_closed_form(m).confidence * 327 <= 1).all()
+
+
 @mark.parametrize(("method", "pair"), [("crt", FREQUENCIES), ("phasor", CLOSE)])
 def test_single_pixels_are_right_as_often_as_theory_predicts(method, pair):
     """To four standard deviations of 250 000 pixels; the confidence predicts the same."""

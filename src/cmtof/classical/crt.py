@@ -44,6 +44,7 @@ def crt_closed_form(measurement: Measurement) -> Estimate:
     """Strict closed form: exact below its bound, arbitrary above.
 
     ``n_1 = q k_2^{-1} mod k_1``, ``q = round((r_2 - r_1) / M)``: depths run over ``c / 2g``, 15 m.
+    Beyond that the confidence is shared among the depths that look alike.
     """
     frequencies = measurement.frequencies
     low, high = map(round, frequencies)
@@ -60,12 +61,17 @@ def crt_closed_form(measurement: Measurement) -> Estimate:
     q = np.rint((second - first) / unit).astype(np.int64)
     wraps = q * pow(k2, -1, k1) % k1
     noise = depth_from_phase(phase_noise(measurement), frequencies[:, None, None])
+    odds = _rounding_odds(second - first - q * unit, unit, noise)
+    alike = np.ptp(wraps_in_range(measurement)) // k1 + 1  # wraps in range, at most
+    return Estimate(depth_from_wraps(measurement.phase[0], wraps, low), odds / alike)
+
+
+def _rounding_odds(misfit: Array, unit: float, noise: Array) -> Array:
+    """Probability (H, W) that what is ``misfit`` off a multiple of a unit belongs to it."""
     spread = np.maximum(np.hypot(*noise), 1e-12)
-    misfit = second - first - q * unit
-    return Estimate(
-        depth_from_wraps(measurement.phase[0], wraps, low),
-        ndtr((unit / 2 - misfit) / spread) - ndtr((-unit / 2 - misfit) / spread),
-    )
+    upper = ndtr((unit / 2 - misfit) / spread)
+    lower = ndtr((-unit / 2 - misfit) / spread)
+    return upper - lower
 
 
 def nearest_wrap(measurement: Measurement) -> tuple[Numbers, Array]:
@@ -149,5 +155,6 @@ def _posterior(measurement: Measurement, wraps: Numbers, residual: Array) -> Arr
     lower = size - (last - wraps + 0.5) * gap
     mass = ndtr(upper / spread) - ndtr(lower / spread)
     # beyond the cap the mass has vanished and the chosen wrap stands alone
-    mass *= np.exp(np.minimum((residual / spread) ** 2 / 2, 600))
+    deviations = residual / spread
+    mass *= np.exp(np.minimum(deviations**2 / 2, 600))
     return 1 / np.maximum(np.sqrt(TAU) * spread / gap * mass, 1.0)
