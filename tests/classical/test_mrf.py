@@ -53,10 +53,9 @@ def test_planes_without_noise_are_exact_across_holes(
 ):
     depth = tilted_wall.depth.copy()
     depth[:, 21 : 21 + hole] = np.nan
-    known = np.isfinite(depth)
-    m = exact(depth, pair, mask=known, range_min=0.7547, range_max=1.195)
-    found = cmtof.unwrap(m, method=method).depth
-    assert_allclose(found, depth, rtol=0, atol=1e-6)
+    limits = {"range_min": 0.7547, "range_max": 1.195}
+    m = exact(depth, pair, mask=np.isfinite(depth), **limits)
+    assert_allclose(cmtof.unwrap(m, method=method).depth, depth, rtol=0, atol=1e-6)
 
 
 @given(st.integers(0, 2**32 - 1), st.sampled_from([1, -1, 2]))

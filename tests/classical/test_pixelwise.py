@@ -22,14 +22,14 @@ CLOSE = (7.15e9, 7.16e9)
 @mark.parametrize("pair", [FREQUENCIES, CLOSE, (3e9, 7e9)])
 def test_search_is_that_over_all_wraps(rng, pair):
     """The wrap of least misfit, tried one after the other, at any pair of frequencies."""
-    limits = {"range_min": 0.4, "range_max": 7.3}
-    m = Measurement.from_phase(rng.uniform(0, TAU, (2, 30, 40)), pair, **limits)
+    m = Measurement.from_phase(
+        rng.uniform(0, TAU, (2, 30, 40)), pair, range_min=0.4, range_max=7.3
+    )
     found, residual = crt.nearest_wrap(m)
     length = wrap_length(pair[0])
     wraps = np.arange(int(0.4 / length), int(np.ceil(7.3 / length)))
-    phase = m.phase / TAU
-    turns = np.add.outer(wraps, phase[0])
-    misfit = phase[1] - pair[1] / pair[0] * turns
+    low, high = m.phase / TAU
+    misfit = high - pair[1] / pair[0] * np.add.outer(wraps, low)
     misfit -= np.rint(misfit)
     assert_allclose(np.abs(residual), TAU * np.abs(misfit).min(axis=0), atol=6e-9)
     assert np.isin(found, wraps).all()

@@ -35,14 +35,19 @@ def test_surfaces_end_at_steps_and_not_at_slopes(bent):
     assert_array_equal(boundary, edge)
 
 
+def creased(side, row, slope):
+    """A square wall at 3 m and, from a row on, a floor that comes nearer, m a pixel."""
+    rows, _ = np.indices((side, side))
+    return 3.0 - slope * np.maximum(rows - row, 0)
+
+
 def test_bodies_end_at_jumps_and_not_at_creases():
     """A floor and a wall are one body, a box that hides part of the wall another."""
-    y = np.arange(40)[:, None] * np.ones((1, 50))
-    room = np.where(y < 20, 3.0, 3.0 - 0.02 * (y - 19))  # a crease of 20 mm a pixel
+    room = creased(50, 19, 0.02)
     room[5:12, 20:30] = 2.0
     room[0, 0] = np.nan
     number = bodies(room)
-    assert number[2, 2] == number[39, 49] != number[8, 25]
+    assert number[2, 2] == number[49, 49] != number[8, 25]
     assert np.unique(number).size == 3  # the unknown pixel is alone
     assert np.unique(surfaces(room)).size > 3
 
@@ -61,9 +66,9 @@ def test_shapes_are_known_and_places_are_not(exact, bent, what, offsets):
 
 def test_contact_carries_an_offset_across_a_crease():
     """A small dark facet is placed by the bright wall that it touches."""
-    y = np.arange(120)[:, None] * np.ones((1, 120))
-    depth = np.where(y < 100, 3.0, 3.0 - 0.01 * (y - 99))
-    m = simulate(Frame(depth, np.where(y < 100, 1.0, 0.05)), protocol="full", seed=1)
+    depth = creased(120, 99, 0.01)
+    light = np.where(depth == 3.0, 1.0, 0.05)
+    m = simulate(Frame(depth, light), protocol="full", seed=1)
     methods = (references.reference_contact, references.reference_offset)
     tied, alone = (np.abs(run(m).depth - depth)[105:].max() for run in methods)
     assert tied < 0.01 < alone
@@ -71,8 +76,10 @@ def test_contact_carries_an_offset_across_a_crease():
 
 def test_wider_windows_are_right_more_often():
     m = simulate(flat_wall(90, 3.0), protocol="full")
-    how = {"method": "reference-field"}
-    rates = [scores(m, **how, side=side)["delta_lt_2"] for side in (1, 11, 41, 181)]
+    rates = [
+        scores(m, method="reference-field", side=side)["delta_lt_2"]
+        for side in (1, 11, 41, 181)
+    ]
     assert rates == sorted(rates)
     assert rates[-1] == 1.0
 

@@ -116,7 +116,7 @@ def whole_boxes(shape=SHAPE):
 
 def known(mean, spread):
     """Offsets of surfaces and their deviations, wraps."""
-    return Offsets(np.array(mean, float), np.array(spread, float))
+    return Offsets(*np.array([mean, spread], float))
 
 
 def meeting_planes():

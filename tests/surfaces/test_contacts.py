@@ -49,8 +49,7 @@ def test_borders_find_whole_wraps_between_planes_that_meet():
 def test_a_border_counts_the_departure_of_its_pixels():
     """A quarter of a wrap that neither plane explains does not move the step."""
     depth, q = plane_depth((0.1, 0, 1))
-    wave = 0.3 * WRAP * np.sin(COLUMNS / 8)
-    field = exact_field(depth + wave)
+    field = exact_field(depth + 0.3 * WRAP * np.sin(COLUMNS / 8))
     aside, _ = move_surface(field, q, whole_boxes(), BENT, -0.4 * WRAP)
     for other in (q, aside):
         assert contacts.borders(field, SIDES, np.stack([q, other])).step == [0]

@@ -29,8 +29,9 @@ BOXES = whole_boxes()
 EXCESS = 20 / 7150  # turns of the beat a wrap
 
 
-def a_fit(offset, known, missed=0.0):
-    return np.array([[offset, known, missed, 1e-3]])
+def a_fit(missed=0.0):
+    """Fit of a surface that is twelve wraps off and well known."""
+    return np.array([[12.0, 1e6, missed, 1e-3]])
 
 
 def beats_of(field, q):
@@ -40,8 +41,7 @@ def beats_of(field, q):
 
 def beat_noise(information):
     """Of the sum over an image, wraps: sqrt(1 + 4) over the root of its information."""
-    whole = information * SHAPE[0] * SHAPE[1]
-    return np.sqrt(5 / whole) / (2 * np.pi * EXCESS)
+    return np.sqrt(5 / information / INNER.size) / (2 * np.pi * EXCESS)
 
 
 def test_pooled_beats_scatter_as_the_sum_of_their_phasors(rng):
@@ -64,8 +64,7 @@ def test_pixels_with_the_beat_of_another_surface_hardly_count(rng):
     """One in ten is mixed with a wall 14 wraps behind; together they would move it by 1.4."""
     depth, _ = plane_depth()
     field = exact_field(depth, information=5000.0, noise_of=rng)
-    mixed = rng.random(SHAPE) < 0.1
-    field.phasor[1, mixed] *= np.exp(2j * np.pi * EXCESS * 14)
+    field.phasor[1, rng.random(SHAPE) < 0.1] *= np.exp(2j * np.pi * EXCESS * 14)
     cells = cells_of_surfaces(field, INNER, depth, 1, side=1)
     beat, noise, _ = pooled_beats(field, cells)
     assert abs(beat) < 0.3 and noise < 0.05
@@ -89,9 +88,9 @@ def test_shape_and_beat_are_weighed_by_what_is_known_of_them():
     depth, q = plane_depth((0.2, 0.1, 1))
     beats = beats_of(exact_field(depth), q)
     by_beat = beats[0][0]
-    sharp = placing.offsets(beats, q[None], a_fit(12.0, 1e6))
-    bent = placing.offsets(beats, q[None], a_fit(12.0, 1e6, missed=1e-4))
-    alone = placing.offsets(beats, q[None], a_fit(12.0, 1e6), shape=False)
+    sharp = placing.offsets(beats, q[None], a_fit())
+    bent = placing.offsets(beats, q[None], a_fit(missed=1e-4))
+    alone = placing.offsets(beats, q[None], a_fit(), shape=False)
     assert alone.mean[0] == approx(by_beat, abs=1e-9)
     assert abs(sharp.mean[0] - 12) < abs(by_beat - 12)
     assert sharp.spread[0] < bent.spread[0] < alone.spread[0]
