@@ -8,6 +8,7 @@ import cmtof
 from cmtof.network.features import CLASSES
 from cmtof.network.models import build_network
 from cmtof.network.recipe import Config
+from cmtof.network.training import norms
 from cmtof.network.weights import read_card, save_weights, weights_path
 
 
@@ -56,6 +57,15 @@ def card(model="fast-scnn-light", protocol="released", **changes):
         "classes": classes,
     }
     return held.model_copy(update=told | changes)
+
+
+def worn(network):
+    """The network, ready, with norms that have seen something."""
+    for norm in norms(network):
+        norm.running_mean.uniform_(-1, 1)
+        norm.running_var.uniform_(0.5, 2)
+        torch.nn.init.uniform_(norm.weight, 0.5, 2)
+    return network.eval()
 
 
 @fixture

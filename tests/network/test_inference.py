@@ -4,7 +4,7 @@ import numpy as np
 import torch
 from numpy.testing import assert_allclose
 from pytest import mark, param
-from tests.network.conftest import card
+from tests.network.conftest import card, worn
 
 import cmtof
 from cmtof.correlation import wrap_count_from_depth
@@ -13,7 +13,6 @@ from cmtof.frame import held_out_frames
 from cmtof.network import inference, weights
 from cmtof.network.features import features
 from cmtof.network.models import MODELS, build_network
-from cmtof.network.training import norms
 from cmtof_book.onnx_graphs import graph_of
 
 
@@ -59,10 +58,7 @@ def test_wraps_equal_those_of_torch(name, numbers):
 def test_every_network_answers_as_in_torch(tmp_path, name, size):
     """At sizes that are padded, with norms that have seen something, for all classes."""
     torch.manual_seed(0)
-    network = build_network(name, "full").eval()
-    for norm in norms(network):
-        norm.running_mean.uniform_(-1, 1)
-        norm.running_var.uniform_(0.5, 2)
+    network = worn(build_network(name, "full"))
     path = weights.weights_path(name, "full", tmp_path)
     weights.save_weights(path, network, card(name, "full"))
     inputs = torch.randn(1, network.inputs, *size).numpy()

@@ -80,8 +80,7 @@ def test_gradients_of_two_processes_are_those_of_two_halves_in_one(start):
 def test_a_run_goes_on_after_one_of_its_processes_was_killed(start):
     assert start("whole").wait(600) == 0
     run = start("killed")
-    last = Path("killed/last.ckpt")
-    while not last.is_file():
+    while not Path("killed/last.ckpt").is_file():
         assert run.poll() is None
         time.sleep(0.05)
     children = Path(f"/proc/{run.pid}/task/{run.pid}/children").read_text().split()

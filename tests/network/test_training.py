@@ -80,9 +80,8 @@ def test_killed_and_resumed_run_ends_with_the_same_weights(tmp_path, config, opt
     assert card.curve == read_card(second).curve
     with refused("Expected a new folder"):
         train(config, parts, **CPU)
-    other = config.model_copy(update={"seed": 9})
     with refused("Expected the configuration of"):
-        train(other, parts, resume=True, **CPU)
+        train(config.model_copy(update={"seed": 9}), parts, resume=True, **CPU)
 
 
 def test_training_goes_on_from_given_weights(config, stored):
@@ -141,13 +140,17 @@ def test_validation_scores_a_network_that_answers_with_the_middle(config):
 
 
 @fixture
+def trained(stored):
+    return load_weights(stored())
+
+
+@fixture
 def example(measurement):
     wraps = np.floor(measurement.depth / WRAP).astype(int)
     return measurement, np.where(measurement.mask, wraps, -1), measurement.depth
 
 
-def test_fine_tuning_lowers_the_loss_and_leaves_the_rest(stored, example):
-    trained = load_weights(stored())
+def test_fine_tuning_lowers_the_loss_and_leaves_the_rest(trained, example):
     before = deepcopy(trained.network.state_dict())
     how = {"steps": 12, "learning_rate": 2e-3, "crop": 32, "seed": 1}
     tuned, losses = fine_tune(trained, [example], **how)
@@ -161,11 +164,10 @@ def test_fine_tuning_lowers_the_loss_and_leaves_the_rest(stored, example):
     assert again == losses
 
 
-def test_crops_of_fine_tuning_move_over_the_classes(stored, stepped_wall, rng):
+def test_crops_of_fine_tuning_move_over_the_classes(trained, stepped_wall, rng):
     """Without noise, wraps, phase and depth of a moved crop still belong together."""
     exact = cmtof.simulate(stepped_wall, noise_free=True)
     wraps = np.floor(exact.depth / WRAP).astype(int)
-    trained = load_weights(stored())
     view = tuning._view(trained, exact, wraps, exact.depth)
     pieces = [tuning._augmented_crop(view, trained.network, 24, rng) for _ in range(30)]
     _, label, phase, turns = map(np.stack, zip(*pieces, strict=True))
@@ -175,8 +177,7 @@ def test_crops_of_fine_tuning_move_over_the_classes(stored, stepped_wall, rng):
     assert len({int(np.median(one)) for one in label}) > 5
 
 
-def test_unlabelled_pixels_teach_nothing(stored, example):
-    trained = load_weights(stored())
+def test_unlabelled_pixels_teach_nothing(trained, example):
     measurement, wraps, depth = example
     half = np.where(np.arange(56) < 28, wraps, -1)
     moved = depth + (half < 0)
@@ -187,8 +188,8 @@ def test_unlabelled_pixels_teach_nothing(stored, example):
 
 
 @mark.parametrize("count", [0, 1])
-def test_fine_tuning_refuses_what_has_no_labels(stored, example, count):
+def test_fine_tuning_refuses_what_has_no_labels(trained, example, count):
     measurement, wraps, depth = example
     blank = (measurement, np.full_like(wraps, -1), depth)
     with refused(f"got none in {count} measurements"):
-        fine_tune(load_weights(stored()), [blank] * count)
+        fine_tune(trained, [blank] * count)
