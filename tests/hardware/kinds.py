@@ -4,7 +4,7 @@ from contextlib import contextmanager
 from functools import partial
 from typing import NamedTuple
 
-from peers import T7, Controller, Firmware, Port, Visa, modbus, simulated
+from peers import T7, Controller, Firmware, Port, Visa, modbus
 from registers import HERE, feedback, in_bytes
 from scpi_peers import Generator, Meter
 
@@ -38,11 +38,6 @@ class Device(NamedTuple):
     model: object
     role: str
     pair: object = in_bytes(str.encode)  # of what is written in its transcripts
-
-    @property
-    def peer(self):
-        """Its model, which is switched off."""
-        return self.model(simulated(self.role))
 
     @property
     def file(self):

@@ -3,7 +3,7 @@
 import itertools
 import os
 import struct
-from types import SimpleNamespace
+from unittest.mock import Mock
 
 from peers import ERROR, HOMED, Controller, Port, simulated
 from pytest import fixture, mark
@@ -61,11 +61,7 @@ def test_a_controller_that_talks_but_does_not_answer_is_given_up(monkeypatch):
     monkeypatch.setattr("cmtof.hardware.apt.ANSWER", 0.05)
     status = struct.pack("<HHBB", 0x0491, 14, 0x81, 0x50) + bytes(14)
     endless = itertools.cycle(status)
-    talker = SimpleNamespace(
-        write=lambda data: None,
-        read=lambda size: bytes(itertools.islice(endless, size)),
-        reset_input_buffer=lambda: None,
-    )
+    talker = Mock(read=lambda size: bytes(itertools.islice(endless, size)))
     with refused("answer mot_req_poscounter, got none", InstrumentTimeout):
         _ = Motor(talker, MOTORS["mts50-z8"], "stage").position
 

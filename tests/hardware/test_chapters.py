@@ -36,13 +36,12 @@ def first_blocks():
     return {"scene": MeshTarget.from_mesh(blocks), "seed": seed}
 
 
-MIRROR = {"kind": "mirror", "distance": 0.6, "reflectance": 6e-6}
 PHOTODIODE = {"rig": replace(DEFAULT, flip_mirror="photodiode")}
 CHAPTERS = {  # what is measured, sizes, and the rig and what it stands before
     "14_correlation_profiles": (
         "taken",
         {"bursts": 2},
-        {"scene": MIRROR},
+        {"scene": {"kind": "mirror", "distance": 0.6, "reflectance": 6e-6}},
     ),
     "17_precision_sweep": ("day", {"repeats": 1}, PHOTODIODE),
     "19_gage_blocks": (
@@ -75,7 +74,7 @@ def test_the_guides_lines_run_on_a_rig(world_of, capsys):
     asked = []
     seen = {"input": asked.append}
     guide = (ROOT / "book" / "hardware.md").read_text("utf-8")
-    for block in re.findall(r"```python\n(.*?)```", guide, re.DOTALL):
+    for block in re.findall(r"(?s)```python\n(.*?)```", guide):
         if "bluesky" not in block or find_spec("bluesky"):
             exec(textwrap.dedent(block), seen)
     assert asked[:2] == ["laser high? Then Enter. ", "laser low? Then Enter. "]

@@ -4,7 +4,7 @@ from unittest.mock import Mock
 
 import serial
 from kinds import DEVICES, called
-from peers import T7, Controller, Port, Visa, Wire, modbus
+from peers import T7, Controller, Port, Visa, Wire, modbus, simulated
 from pytest import fixture, mark, raises
 from pyvisa import VisaIOError
 from pyvisa.constants import StatusCode
@@ -43,7 +43,7 @@ def contract(device):
 
 @fixture
 def wire(device):
-    return Wire(device.peer)
+    return Wire(device.model(simulated(device.role)))
 
 
 @fixture

@@ -26,10 +26,10 @@ def test_every_burst_has_its_own_label():
 
 def test_rays_are_those_of_a_pinhole():
     plan = plan_scan(RIG, size=(3, 5))
-    assert_allclose(
-        np.diff(np.tan(plan.angles[..., 0]), axis=1), 2 * np.tan(np.deg2rad(10)) / 5
-    )
-    assert np.tan(plan.angles[:, 0, 1])[0] == approx(-2 * np.tan(np.deg2rad(10)) / 3)
+    width = 2 * np.tan(np.deg2rad(10))
+    slopes = np.tan(plan.angles)
+    assert_allclose(np.diff(slopes[..., 0], axis=1), width / 5)
+    assert slopes[0, 0, 1] == approx(-width / 3)
 
 
 def test_sums_drop_the_settling_samples_and_count_what_clips():

@@ -45,9 +45,11 @@ def test_a_file_that_cannot_be_is_one_line(text, words):
 
 def test_a_bench_record_moves_lines_and_turns_mirrors():
     """It lies beside the rig, whose own keys come first, and is part of the measurement."""
-    record = "lines: {laser: FIO6, beam_block: FIO0}\nmirrors: [TDAC3, TDAC2]\npower_dbm: 20\n"
-    record += "mirror_volts_per_degree: [-0.8, 0.5]\nmirror_offset_volts: [0.1, 0]\n"
-    Path("bench.yml").write_text(record)
+    Path("bench.yml").write_text(
+        "lines: {laser: FIO6, beam_block: FIO0}\n"
+        "mirrors: [TDAC3, TDAC2]\npower_dbm: 20\n"
+        "mirror_volts_per_degree: [-0.8, 0.5]\nmirror_offset_volts: [0.1, 0]\n"
+    )
     PATH.write_text(with_devices("bench: bench.yml\npower_dbm: 25\n"))
     rig = Rig.load(PATH)
     bench = simulated_bench(rig)
@@ -103,6 +105,11 @@ def test_the_clock_begins_from_its_own_state_and_runs_as_the_rig_says():
         call.lock_phases(),
         *[call.output(channel, True) for channel in (1, 2)],
     ]
+
+
+def test_a_wrong_setting_below_twin_is_named():
+    with refused("Expected laser_power in twin to be .*, got -1"):
+        simulated_bench(replace(RIG, twin={"laser_power": -1}))
 
 
 # --- the beam ------------------------------------------------------------------------------------

@@ -32,7 +32,6 @@ PLAN = plan_scan(RIG, size=4)
 pytestmark = mark.usefixtures("own_folder")
 OUTPUT = Path("m.nc")
 JOURNAL = journal_path(OUTPUT)
-DARK = TwinSettings.ideal(reference=Plane(0.6, reflectance=0.0), ambient_radiance=0.1)
 STOP = Mock(side_effect=KeyboardInterrupt)  # a report
 
 
@@ -65,7 +64,7 @@ def whole(tmp_path_factory):
 def test_phases_are_those_of_the_true_ranges():
     settings = TwinSettings.ideal(noise=True)
     seen = scan_scene(settings, WALL, size=6, field_of_view=0.3, seed=1)
-    truth = seen.dataset["depth"].to_numpy()
+    truth = seen.depth
     expected = [phase_from_depth(truth, frequency) for frequency in seen.frequencies]
     assert np.abs(centred(seen.phase - expected)).max() < 0.02
     rays = directions_from_angles(seen.dataset["angle"].to_numpy())
@@ -86,8 +85,8 @@ def test_a_file_holds_raw_counts_power_and_settings(whole):
 
 
 def test_a_target_among_the_scene_calibrates_as_one_behind_the_flip_mirror(whole):
-    aside = {"flip_mirror": "photodiode", "reference_direction_deg": (-6.0, 2.0)}
-    take(rig=replace(RIG, **aside))
+    aside = (-6.0, 2.0)
+    take(rig=replace(RIG, flip_mirror="photodiode", reference_direction_deg=aside))
     found, wanted = (open_measurement(one).dataset for one in (OUTPUT, whole))
     for name in ("raw_counts", "psi"):
         assert_array_equal(found[name], wanted[name])
@@ -280,7 +279,12 @@ def test_an_open_interlock_and_a_lost_lock_end_the_scan(lost):
     ("twin", "text"),
     [
         (TwinSettings(reference=MIRROR), "it saturates. Put a grey filter"),
-        (DARK, "reference target with a contrast above 0.001"),
+        (
+            TwinSettings.ideal(
+                reference=Plane(0.6, reflectance=0.0), ambient_radiance=0.1
+            ),
+            "reference target with a contrast above 0.001",
+        ),
     ],
 )
 def test_a_reference_target_that_cannot_calibrate_ends_the_scan(twin, text):
@@ -290,11 +294,12 @@ def test_a_reference_target_that_cannot_calibrate_ends_the_scan(twin, text):
 
 
 def test_a_generator_that_is_lost_is_noticed_at_the_end_of_the_line():
-    lose = partial(
-        failing, role="clock", method="output_is_on", error=InstrumentTimeout, at=13
-    )
     with raises(InstrumentTimeout):
-        take(prepare=lose)
+        take(
+            prepare=lambda bench: failing(
+                bench, "clock", "output_is_on", InstrumentTimeout, at=13
+            )
+        )
     assert recorded() == 13  # header and twelve lines
 
 

@@ -38,8 +38,7 @@ def test_counts_are_those_of_the_simulation_with_slow_parts(world, take):
     found = take(**air, shutter_settling=8.0)  # longer than a watchdog waits
     assert world.dark
     bench = partial(simulated_bench, RIG, WALL, seed=4)
-    plan = plan_scan(replace(RIG, **air), size=2)
-    wanted = scan(plan, bench, Path("simulated.nc"))
+    wanted = scan(plan_scan(replace(RIG, **air), size=2), bench, Path("simulated.nc"))
     assert (found.dataset["time"] > TODAY).all()
     usual, thin = (one.dataset.attrs["group_index"] - 1 for one in (wanted, found))
     density = 83e3 / 101325 * 293.15 / 303.15  # of an ideal gas
@@ -122,10 +121,9 @@ def test_a_device_that_is_missing_at_the_start_leaves_no_light(world, lit, role)
 
 @mark.parametrize("role", PLACES)
 def test_another_device_than_the_rig_names_is_refused(world, role):
-    wrong = with_device(world.rig, role, serial_number="OTHER")
     with (
         refused("OTHER, got .* Check the address", Refused),
-        connected_bench(wrong),
+        connected_bench(with_device(world.rig, role, serial_number="OTHER")),
     ):
         pass
     assert world.dark
@@ -140,9 +138,6 @@ def test_a_read_out_whose_power_comes_back_is_dark_once_that_is_saved(world, lit
     assert not world.lit
 
 
-WORDS = ["-m", "cmtof.cli", "scan", "rig.yml", "--size", "2", "-o", "m.nc"]
-
-
 def test_a_program_whose_terminal_is_closed_ends_in_the_dark(world):
     world.write(flip_mirror_settling=0.0)
     wire = world.ends["power_meter"].wire
@@ -154,7 +149,8 @@ def test_a_program_whose_terminal_is_closed_ends_in_the_dark(world):
         return works(request)
 
     wire.answer = answer
-    with subprocess.Popen([sys.executable, *WORDS], stderr=-1) as scan:
+    command = f"{sys.executable} -m cmtof.cli scan rig.yml --size 2 -o m.nc"
+    with subprocess.Popen(command.split(), stderr=-1) as scan:
         scan.communicate(timeout=60)
     assert scan.returncode == 128 + signal.SIGHUP
     assert world.dark

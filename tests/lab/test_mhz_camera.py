@@ -14,10 +14,10 @@ from cmtof_lab.targets import RayEnds
 CLEAN = MhzCamera(veil=0.0, blur=0.0, ambient_radiance=0.0)
 
 
-def flat(distance=1.0, reflectance=0.5, cosine=1.0, shape=(24, 24), mirrored=0.0):
+def flat(distance=1.0, reflectance=0.5, shape=(24, 24), mirrored=0.0):
     return RayEnds(
         np.full(shape, distance),
-        np.full(shape, cosine),
+        np.ones(shape),
         np.full(shape, reflectance),
         mirrored,
     )
@@ -25,8 +25,7 @@ def flat(distance=1.0, reflectance=0.5, cosine=1.0, shape=(24, 24), mirrored=0.0
 
 def seen(camera, view, rng):
     """Depth (H, W), m, from images with noise."""
-    images = camera.capture(camera.light(view, view), rng=rng)
-    return camera.depth(images)[0]
+    return camera.depth(camera.capture(camera.light(view, view), rng=rng))[0]
 
 
 def bias(camera, view, field):

@@ -40,8 +40,7 @@ def test_an_object_stands_before_a_wall_within_the_wraps_36_to_56(name):
 
 
 def test_still_lifes_stand_on_a_table_and_differ():
-    names = ("vase", "kettle", "books")
-    stated = [objects.OBJECTS[name]["pieces"] for name in names]
+    stated = [objects.OBJECTS[name]["pieces"] for name in ("vase", "kettle", "books")]
     drawn = [objects.still_life(stated, np.random.default_rng(k)) for k in (0, 0, 1)]
     (first, view), (same, _), (other, _) = drawn
     assert np.array_equal(first.vertices, same.vertices)

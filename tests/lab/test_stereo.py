@@ -87,11 +87,7 @@ def test_boards_calibrate_each_camera_of_the_rig(rng):
 
 
 def test_spots_locate_the_scanner(rng):
-    back = RIG.poses[0].inv()
-    rig = replace(
-        RIG,
-        poses=tuple(pose * back for pose in RIG.poses),
-    )
+    rig = replace(RIG, poses=tuple(pose * RIG.poses[0].inv() for pose in RIG.poses))
     beams = points_of(planar(1.5 + 0.01 * COLUMNS))
     pixels = RIG.project(beams) + 0.1 * rng.standard_normal((2, *SHAPE, 2))
     pixels[:, ::3] = np.nan
@@ -129,11 +125,11 @@ def test_spots_are_placed_as_well_as_stated(brightness, sigma, rng):
 def test_no_spot_and_saturated_spots_are_refused(rng):
     dark, _ = windows(rng, 0.0, 1.1)
     full, _ = windows(rng, 4e5, 1.1, count=20)
-    sensor = stereo.Sensor()
-    _, lost = stereo.place_spots(dark, sensor)
-    assert np.isnan(lost).mean() > 0.998
-    _, lost = stereo.place_spots(full, sensor)
-    assert np.isnan(lost).all()
+    lost_dark, lost_full = (
+        np.isnan(stereo.place_spots(light, stereo.SENSOR)[1]) for light in (dark, full)
+    )
+    assert lost_dark.mean() > 0.998
+    assert lost_full.all()
 
 
 def test_a_post_hides_what_geometry_says():
