@@ -22,14 +22,13 @@ def npz(**arrays):
 
 def netcdf(data):
     """Content of a ``.nc``."""
-    data.to_netcdf(buffer := io.BytesIO(), engine="h5netcdf", invalid_netcdf=True)
-    return buffer.getvalue()
+    return bytes(data.to_netcdf(engine="h5netcdf", invalid_netcdf=True))
 
 
 def plain_arrays(data):
     """Content of an ``.npz`` with the arrays of a measurement."""
-    held = {k: v.to_numpy() for k, v in data.variables.items()}
-    return npz(**{k: v for k, v in held.items() if v.dtype.kind in "biuf"})
+    kept = {k: v for k, v in data.variables.items() if v.dtype.kind in "biuf"}
+    return npz(**kept)
 
 
 def netcdf_3(data):

@@ -74,15 +74,13 @@ def strange_value(rng):
 def document(rng, known):
     """YAML or JSON: deep, aliased, of wrong kinds, of unknown names, or no text at all."""
     aliases = [f"a{i + 1}: &a{i + 1} [{', '.join([f'*a{i}'] * 9)}]" for i in range(11)]
-    strange = {str(strange_value(rng)): 1} | known
-    wrong = known | {rng.choice(list(known)): strange_value(rng)}
     documents = [
         "[" * 20_000 + "]" * 20_000,
         "\n".join(["a0: &a0 [x, x, x, x, x, x, x, x, x]", *aliases]),
-        json.dumps(strange, default=str),
+        json.dumps({str(strange_value(rng)): 1} | known, default=str),
         f"{next(iter(known))}: {'9' * 5000}\n",
         "1: 2\n? [a, b]\n: c\n",
-        json.dumps(wrong, default=str),
+        json.dumps(known | {rng.choice(list(known)): strange_value(rng)}, default=str),
     ]
     return rng.choice([rng.randbytes(rng.randrange(300)), *map(str.encode, documents)])
 
