@@ -28,9 +28,7 @@ def soup(page):
 
 @cache
 def anchors(page):
-    return {tag.get(key) for tag in soup(page).find_all() for key in ("id", "name")} - {
-        None
-    }
+    return {tag.get(key) for tag in soup(page).find_all() for key in ("id", "name")}
 
 
 def test_every_chapter_has_a_page_that_states_how_it_was_made():
@@ -140,20 +138,18 @@ def test_every_number_of_the_errata_is_printed_by_the_run_or_read_from_the_paper
         )
         entries = re.split(r"(?:^|\n)### (\d+) · ", document.partition("\n%%")[0])
         for entry, body in zip(entries[1::2], entries[2::2], strict=True):
-            lines = re.findall(rf"^{entry}: (.*)$", printed_by_errata(), re.MULTILINE)
+            lines = re.findall(rf"(?m)^{entry}: (.*)$", printed_by_errata())
             known = [*read, *map(float, written_numbers(" ".join(lines)))]
-            words = written_numbers(REFERENCES.sub(" ", body))
-            unknown = [
-                word
-                for word in words
+            missing += [
+                f"erratum {entry}: {word}"
+                for word in written_numbers(REFERENCES.sub(" ", body))
                 if not any(is_written(one, word) for one in known)
             ]
-            missing += [f"erratum {entry}: {word}" for word in unknown]
     assert not missing
 
 
 def test_every_erratum_was_computed_by_this_build():
-    printed = printed_by_errata()
-    counted = re.findall(r"^\w+: (\d+) of (\d+) hold$", printed, re.MULTILINE)
+    line = r"(?m)^\w+: (\d+) of (\d+) hold$"
+    counted = re.findall(line, printed_by_errata())
     assert sum(int(whole) for _, whole in counted) == 29
     assert all(held == whole for held, whole in counted)

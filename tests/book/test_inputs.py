@@ -36,8 +36,12 @@ def named_results(stem):
     texts = [str(node.value) for node in nodes if isinstance(node, ast.Constant)]
     words = {text.rpartition("/")[2] for text in texts}
     words = {word for word in words - {""} if word in NAMES}
-    templates = [node for node in nodes if isinstance(node, ast.JoinedStr)]
-    templates = [one for one in templates if re.fullmatch(r"[\w.]+", pattern(one, ""))]
+    templates = [
+        node
+        for node in nodes
+        if isinstance(node, ast.JoinedStr)
+        and re.fullmatch(r"[\w.]+", pattern(node, ""))
+    ]
     # a word may be a negative number; an f-string may be filled with another one
     word = f"-?(?:{'|'.join(words)})"
     field = "|".join([word, *(pattern(one, word) for one in templates)])

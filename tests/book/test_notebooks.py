@@ -21,9 +21,7 @@ SCRIPTS = sorted((ROOT / "notebooks").glob("[0-9]*.py"))
 @mark.parametrize("script", SCRIPTS, ids=lambda script: script.stem)
 def test_text_has_no_roles(script):
     texts = [c.source for c in jupytext.read(script).cells if c.cell_type == "markdown"]
-    assert not re.findall(
-        r"\{[a-z:]+\}`|:label:|^\(.*\)=$|^:::", "\n".join(texts), re.M
-    )
+    assert not re.findall(r"(?m)\{[a-z:]+\}`|:label:|^\(.*\)=$|^:::", "\n".join(texts))
 
 
 def test_visible_cells_are_short():

@@ -10,7 +10,6 @@ from pytest import approx, fixture, mark
 from cmtof_book import ROOT, claims, compared, paper, provenance, record, scoreboard
 from cmtof_book.verdict import CROPS, Score
 
-ACCEPTED = ROOT / "figures" / "scoreboard.json"
 NUMBERS = paper.published_numbers()
 PLAIN = replace(
     NUMBERS["fig3.precision_ratio"], value=10.0, tolerance=0.5, relation="eq"
@@ -102,10 +101,10 @@ def test_rates_of_the_tables_nest_and_add_up():
 
 
 def test_a_claim_says_in_one_line_why():
-    wide = {"fig3.precision_ratio": (100, 20, 180)}
-    assert claims_by(wide)["precision"].why == "Our interval is too wide."
+    wide = claims_by({"fig3.precision_ratio": (100, 20, 180)})
+    assert wide["precision"].why == "Our interval is too wide."
     apart = {"at once": 1.0, "later": 0.1}
-    far = dict.fromkeys(("sec8.network_scanned", "sec8.kde_scanned"), apart)
+    far = {"sec8.network_scanned": apart, "sec8.kde_scanned": apart}
     told = "Network: ours agrees at once; ours differs later. KDE: ours differs at once; ours"
     assert claims_by(far)["scanned"].why.startswith(told)
     order = claims_by({"sec8.order": 1.0}, crops=36_000)["order"]
@@ -114,24 +113,24 @@ def test_a_claim_says_in_one_line_why():
 
 
 def test_the_picture_has_a_line_for_each_result_at_its_ratio():
-    results = {
-        "fig3.precision_ratio": (100, 90, 110),
-        "table4.proposed.rmse_mirror": {"quiet": 1, "noisy": 1e-9},
-    }
-    text = scoreboard.picture(scores(results))
+    text = scoreboard.picture(
+        scores(
+            {
+                "fig3.precision_ratio": (100, 90, 110),
+                "table4.proposed.rmse_mirror": {"quiet": 1, "noisy": 1e-9},
+            }
+        )
+    )
     lines = re.findall(r'<li data-verdict="(\w+)" data-same="(\w+)"', text)
     assert lines == [("reproduced", "yes"), ("open", "no")]
     dots = re.findall(r'class="dot" d="M([\d.]+) ', text)
-    assert [float(dot) for dot in dots] == [
-        50,
-        98,
-        2,
-    ]  # the paper's number is in the middle
+    assert [*map(float, dots)] == [50, 98, 2]  # the paper's number is in the middle
 
 
 def test_the_accepted_verdicts_follow_from_the_accepted_numbers():
     """What contradicts the paper has a sentence that says why."""
-    held = json.loads(ACCEPTED.read_text("utf-8"))["numbers"]
+    accepted = (ROOT / "figures" / "scoreboard.json").read_text("utf-8")
+    held = json.loads(accepted)["numbers"]
     for key, number in held.items():
         published = NUMBERS[key]
         about = {"profile": number["profile"], "crops": number["crops"]}
@@ -157,24 +156,25 @@ def test_claims_are_filled_with_numbers_of_the_build():
 
 def test_what_was_checked_is_recorded_shown_and_counted(folder, monkeypatch):
     paper.check("fig3.precision_ratio", compared.sum_over_draws(99.8, error=3.2))
-    cases = {"quiet": (1e-5, 2e-6, 9.9e-5), "noisy": (2e-4, 1e-4, 3e-4)}
-    paper.check("table4.rf.rmse_mirror", cases, crops=28_000)
+    paper.check(
+        "table4.rf.rmse_mirror",
+        {"quiet": (1e-5, 2e-6, 9.9e-5), "noisy": (2e-4, 1e-4, 3e-4)},
+        crops=28_000,
+    )
     shown = []
     monkeypatch.setattr(
         paper.notes, "table", lambda head, rows, fold: shown.extend(rows)
     )
     paper.table()
     assert shown[0][1:] == ["≈ 100 ± 10", "99.8 (93.5–106)", "reproduced"]
-    both = "10 µm (2–99 µm) quiet; 200 µm (100–300 µm) noisy"
-    assert shown[1][2:] == [both, "open"]
+    assert shown[1][2:] == ["10 µm (2–99 µm) quiet; 200 µm (100–300 µm) noisy", "open"]
     found = scoreboard.scores_in(record.read_all(folder.parent))
     assert found["table4.rf.rmse_mirror"].crops == 28_000
     page = scoreboard.page(found)
     listed = re.findall(r"<br><code>([a-z0-9_.]+)</code>", page.replace("<wbr>", ""))
     assert sorted(listed) == sorted(key.partition(".")[2] for key in NUMBERS)
-    counts = dict(
-        re.findall(r'^\| <span class="verdict .*">(.+)</span> \| (\d+) \|', page, re.M)
-    )
+    row = r'(?m)^\| <span class="verdict .*">(.+)</span> \| (\d+) \|'
+    counts = dict(re.findall(row, page))
     assert counts["reproduced"] == counts["open"] == "1"
     assert int(counts["untested"]) == len(NUMBERS) - 2
     assert "<br>{doc}`02 <../notebooks/02_precision>` |" in page

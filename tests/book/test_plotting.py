@@ -24,13 +24,8 @@ def folder(tmp_path, monkeypatch):
 def drawn(name="fig03_precision", format="svg", size=(7, 4), **changes):
     fig, ax = plt.subplots(figsize=size)
     ax.plot([0, 1], [0, 2])
-    words = {
-        "numbers": {"ratio": 99.8},
-        "caption": "A line.",
-        "alt": "It rises.",
-        **changes,
-    }
-    plotting.save(fig, name, format=format, **words)
+    words = {"numbers": {"ratio": 99.8}, "caption": "A line.", "alt": "It rises."}
+    plotting.save(fig, name, format=format, **words | changes)
     return provenance.output_folder() / f"{name}.{format}"
 
 

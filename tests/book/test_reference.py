@@ -5,8 +5,6 @@ from pytest import mark
 
 from cmtof_book import reference
 
-MOST = 250
-
 
 @mark.skipif(not reference.RESULTS.is_dir(), reason="no ci build: make test makes one")
 def test_numbers_agree_with_the_stored_ones():
@@ -19,5 +17,5 @@ def test_few_numbers_are_compared():
     assert (
         100
         < sum(np.size(one.value) for one in reference.stored_numbers().values())
-        <= MOST
+        <= 250
     )

@@ -8,7 +8,7 @@ from pytest import approx
 pytest.importorskip("embreex")
 
 from cmtof.constants import FREQUENCIES
-from cmtof.correlation import centred, phase_from_depth
+from cmtof.correlation import TAU, centred, phase_from_depth
 from cmtof_book.rendered_stills import (
     made_up_thing,
     rendered_scene,
@@ -24,8 +24,7 @@ from cmtof_lab.targets import MeshTarget
 
 def test_a_rendered_scene_has_phases_and_range_of_a_scan_without_noise():
     rng = default_rng(4)
-    things = [made_up_thing(rng) for _ in range(2)]
-    mesh, view = still_life(things, rng)
+    mesh, view = still_life([made_up_thing(rng), made_up_thing(rng)], rng)
     phasor, reach = rendered_scene(mesh, view, 12, seed=3)
     settings = ideal_but_for("divergence", "exit_radius", "pressure", "speckle")
     target = MeshTarget.from_mesh(mesh)
@@ -34,12 +33,11 @@ def test_a_rendered_scene_has_phases_and_range_of_a_scan_without_noise():
     off = centred(np.angle(phasor) - scan.phase)
     assert np.median(np.abs(off)) < 0.03
     assert np.abs(np.median(off, axis=(1, 2))).max() < 0.01
-    assert reach == approx(scan.dataset["depth"].to_numpy())
+    assert reach == approx(scan.depth)
 
 
 def test_the_noise_is_that_of_the_captures_and_shared_by_neighbours():
-    bright = np.full((2, 300, 300), 1e-3 + 0j)
-    turn = np.angle(with_noise(bright, default_rng(1)))
+    turn = np.angle(with_noise(np.full((2, 300, 300), 1e-3 + 0j), default_rng(1)))
     # five deviations of 90,000 correlated pixels
     level = NOISE["captures"]["phase_noise"]
     assert turn.std((1, 2)) == approx(level, rel=5 / 400)
@@ -52,5 +50,5 @@ def test_labels_are_the_wraps_that_turn_phases_into_ranges():
     wraps, depth = (still.dataset[key].to_numpy() for key in ("wraps", "labels"))
     known = wraps >= 0
     assert known.mean() > 0.9
-    turns = phase_from_depth(depth, FREQUENCIES[0]) / (2 * np.pi)
-    assert (turns - still.phase[0] / (2 * np.pi))[known] == approx(wraps[known])
+    turns = (phase_from_depth(depth, FREQUENCIES[0]) - still.phase[0]) / TAU
+    assert turns[known] == approx(wraps[known])

@@ -36,7 +36,7 @@ def test_profiles_and_contents_name_notebooks(profile):
 
 
 def test_notebook_pairs_agree():
-    scripts = sorted((ROOT / "notebooks").glob("[0-9]*.py"))
+    scripts = (ROOT / "notebooks").glob("[0-9]*.py")
     assert not [s.stem for s in scripts if not pairs.is_up_to_date(s)], "run make pairs"
 
 
@@ -45,9 +45,8 @@ def test_sets_of_wraps_have_the_half_widths_that_were_calibrated():
     assert held == approx(SETS, abs=0.01)
 
 
-def draw(folder, stem, *, source=None, drawing="<svg/>"):
+def draw(folder, stem, *, drawing="<svg/>", **numbers):
     folder.mkdir(parents=True, exist_ok=True)
-    numbers = {} if source is None else {"source": source}
     (folder / f"{stem}.json").write_text(json.dumps({"numbers": numbers}))
     (folder / f"{stem}.svg").write_text(drawing)
 
@@ -57,8 +56,10 @@ def test_accepted_figures_follow_the_build_and_keep_measured_data(tmp_path):
     accepted = tmp_path / "figures"
     draw(results / "01", "new")
     draw(results / "08", "scan", source="simulated", drawing="rehearsal")
-    checked = {"numbers": {"sec8.gain": {"cases": {"": [20, 20, 20]}, "crops": 0}}}
-    checked["provenance"] = {"profile": "ci", "seed": 0, "version": "1"}
+    checked = {
+        "numbers": {"sec8.gain": {"cases": {"": [20, 20, 20]}, "crops": 0}},
+        "provenance": {"profile": "ci", "seed": 0, "version": "1"},
+    }
     (results / "01" / "paper.json").write_text(json.dumps(checked))
     draw(accepted, "old")
     draw(accepted, "scan", source="measured", drawing="real")
@@ -79,10 +80,8 @@ def test_tables_count_once_and_are_not_edited(tmp_path, monkeypatch, capsys):
     for _ in range(2):  # the second time nothing is left to count
         tables.main(["beat", "middle"], offset=(0.0, 35.0))
     assert len(capsys.readouterr().out.splitlines()) == 2
-    counted = (
-        Evaluation(["beat", "middle"], phase_offset=(0, 0.035)).add_all(frames).counts()
-    )
-    assert read_counts(path) == counted
+    again = Evaluation(["beat", "middle"], phase_offset=(0, 0.035)).add_all(frames)
+    assert read_counts(path) == again.counts()
     path.write_text(path.read_text().replace(frames[0].name, "another"))
     with refused("edited ones. Count again"):
         read_counts(path)
