@@ -13,6 +13,7 @@ import sysconfig
 import venv
 import zipfile
 from importlib.metadata import PathDistribution, distribution
+from itertools import product
 from pathlib import Path
 from typing import NamedTuple
 
@@ -59,13 +60,12 @@ def share_compiled(site):
     """Let unpacked sources use what Numba compiled for their equals in the checkout."""
     for path in site.glob("cmtof*/**/*.py"):
         own = ROOT / "src" / path.relative_to(site)
-        if not own.is_file() or path.read_bytes() != own.read_bytes():
-            continue
-        shutil.copystat(own, path)
-        cache = own.with_name("__pycache__")
-        cache.mkdir(exist_ok=True)
-        if not (link := path.with_name("__pycache__")).exists():
-            link.symlink_to(cache)
+        if own.is_file() and path.read_bytes() == own.read_bytes():
+            shutil.copystat(own, path)
+            cache = own.with_name("__pycache__")
+            cache.mkdir(exist_ok=True)
+            if not (link := path.with_name("__pycache__")).exists():
+                link.symlink_to(cache)
 
 
 def linked(folder, wheel, extra):
@@ -75,21 +75,15 @@ def linked(folder, wheel, extra):
     zipfile.ZipFile(wheel).extractall(site)
     share_compiled(site)
     (about,) = site.glob("cmtof-*.dist-info")
-    waiting = [(PathDistribution(about), extra)]
-    seen = set()
-    while waiting:
-        here, wanted = waiting.pop()
-        for requirement in map(Requirement, here.requires or []):
-            marker = requirement.marker
-            if marker and not marker.evaluate({"extra": wanted}):
-                continue
-            for further in ["", *requirement.extras]:
-                if (pair := (requirement.name, further)) not in seen:
-                    seen.add(pair)
-                    own = requirement.name == "cmtof"
-                    one = here if own else distribution(requirement.name)
-                    waiting.append((one, further))
-                    link(one, site)
+    wanted = [("cmtof", extra)]
+    for name, with_extra in wanted:  # which grows
+        own = name == "cmtof"
+        found = PathDistribution(about) if own else distribution(name)
+        link(found, site)
+        for one in map(Requirement, found.requires or []):
+            if not one.marker or one.marker.evaluate({"extra": with_extra}):
+                pairs = product([one.name], ["", *one.extras])
+                wanted += [pair for pair in pairs if pair not in wanted]
 
 
 def installed(folder, wheel, extra):
@@ -171,8 +165,7 @@ def test_bare_evaluate_leaves_out_what_needs_an_extra(bare):
 
 
 def test_bare_every_method_runs_or_names_its_extra(bare):
-    names = ",".join(METHODS)
-    command = f"evaluate wall.npz --method {names} --json named.json"
+    command = f"evaluate wall.npz --method {','.join(METHODS)} --json named.json"
     line = bare.cmtof(command, code=1).stderr.splitlines()[-1]
     assert {*re.findall("[a-z-]+", re.findall(r":([^.]*)", line)[0])} >= LEARNED
     ran = json.loads((bare.folder / "named.json").read_text())["methods"].keys()
@@ -192,7 +185,7 @@ def test_bare_a_command_names_the_extra_that_it_needs(bare, extra, words):
 
 def test_bare_python_of_the_readme_runs(bare):
     blocks = re.findall(
-        r"```python\n(.*?)```", (ROOT / "README.md").read_text("utf-8"), re.DOTALL
+        r"(?s)```python\n(.*?)```", (ROOT / "README.md").read_text("utf-8")
     )
     assert blocks
     for block in blocks:
@@ -204,10 +197,6 @@ def test_bare_replicates_without_a_figure(bare):
     text = bare.cmtof("replicate -o fig10.png").stdout
     assert "PASS" in text
     assert "needs cmtof[plot]" in text
-
-
-QUICK = ["book", "hardware", "lab", "networks", "plot", "rooms", "view"]
-LONG = [param(extra, marks=mark.slow) for extra in ("notebooks", "train")]
 
 
 COMMANDS = {  # before the program of an extra
@@ -223,7 +212,20 @@ COMMANDS = {  # before the program of an extra
 }
 
 
-@mark.parametrize("extra", [*QUICK, *LONG])
+@mark.parametrize(
+    "extra",
+    [
+        "book",
+        "hardware",
+        "lab",
+        "networks",
+        "plot",
+        "rooms",
+        "view",
+        param("notebooks", marks=mark.slow),
+        param("train", marks=mark.slow),
+    ],
+)
 def test_an_extra_alone_is_enough_for_what_it_promises(environment, extra):
     alone = environment(extra)
     for command in COMMANDS.get(extra, []):

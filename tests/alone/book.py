@@ -2,16 +2,17 @@
 
 from importlib import import_module
 
-for name in (
-    "execute",
-    "figures",
-    "graph",
-    "pairs",
-    "paper",
-    "reference",
-    "render",
-    "stage",
+for program in (
+    "cmtof_book.execute",
+    "cmtof_book.figures",
+    "cmtof_book.graph",
+    "cmtof_book.pairs",
+    "cmtof_book.paper",
+    "cmtof_book.reference",
+    "cmtof_book.render",
+    "cmtof_book.stage",
+    "jupyter_book.cli.main",
+    "jupytext.cli",
+    "snakemake.cli",
 ):
-    import_module(f"cmtof_book.{name}")
-for program in ("jupyter_book.cli.main", "jupytext.cli", "snakemake.cli"):
     import_module(program)
