@@ -110,7 +110,7 @@ def exact():
     """Measurement of exact phases of depths; another truth may be claimed."""
 
     def measure(depth, frequencies=FREQUENCIES, truth=None, **attributes):
-        depth = np.atleast_2d(np.asarray(depth, float))
+        depth = np.asarray(depth, float)
         phase = [phase_from_depth(depth, f) for f in frequencies]
         truth = depth if truth is None else truth
         return cmtof.Measurement.from_phase(

@@ -51,7 +51,7 @@ def official_rays(projection):
 
 def wall(projection):
     """Range of a slanted plane, 2 m away."""
-    normal = np.array([0.3, -0.2, 1.0])
+    normal = [0.3, -0.2, 1.0]
     return -2.0 * np.linalg.norm(normal) / (official_rays(projection) @ normal)
 
 
@@ -65,7 +65,7 @@ def write_official(path, array):
 
 def write_views(root):
     """Depth and colour of three views of each scene."""
-    color = np.broadcast_to(np.array([0.2, 0.5, 0.9], np.float16), (*SHAPE, 3)).copy()
+    color = np.full((*SHAPE, 3), [0.2, 0.5, 0.9], np.float16)
     color[5, 5] = np.nan
     color[6, 6] = np.inf
     color[7, 7] = -1

@@ -1,6 +1,7 @@
 """Counting: rates as the tables have them, the same noise for all, stored counts."""
 
 import numpy as np
+import xarray as xr
 from numpy.testing import assert_allclose, assert_array_equal
 from pytest import approx, mark, raises, skip
 from refusals import refused
@@ -59,7 +60,7 @@ def test_scores_need_a_truth_and_a_pixel(measured):
     result = cmtof.unwrap(measured, method="middle")
     with refused("true depth"):
         scored_pixels(result, Measurement(measured.dataset.drop_vars("depth")))
-    nothing = (("y", "x"), np.zeros(measured.shape, bool))
+    nothing = xr.zeros_like(measured.dataset["mask"])
     with refused("at least one scored pixel"):
         scored_pixels(result, Measurement(measured.dataset.assign(mask=nothing)))
 
@@ -68,8 +69,7 @@ def test_every_method_sees_the_same_noise(tilted_wall):
     frames = [tilted_wall, tilted_wall]
     both = Evaluation(["crt", "crt-ml"], seed=4).add_all(frames)
     report = both.report()
-    told = {"protocol": "released", "noise": 1200.0, "seed": 4}
-    assert report | told == report
+    assert report | {"protocol": "released", "noise": 1200.0, "seed": 4} == report
     crt, fused = report["methods"].values()
     assert crt["delta_lt_3"] == approx(fused["delta_lt_3"], abs=0.01)
     alone = Evaluation(["crt"], seed=4).add_all(frames)

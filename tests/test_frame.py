@@ -77,8 +77,7 @@ def test_an_archive_that_claims_more_than_it_holds_is_refused_before_it_is_read(
     Frame(ONES, ONES).save(path)
     with zipfile.ZipFile(path) as archive:
         size = archive.getinfo("depth.npy").file_size.to_bytes(4, "little")
-    claimed = (2**31).to_bytes(4, "little")
-    path.write_bytes(path.read_bytes().replace(size, claimed))
+    path.write_bytes(path.read_bytes().replace(size, (2**31).to_bytes(4, "little")))
     with refused(r"whole \.npz file, got .*its header claims 4\.29e\+09"):
         load_frame(path)
 

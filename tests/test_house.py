@@ -13,8 +13,11 @@ from pytest import fixture, mark
 
 from cmtof_book import ROOT
 
-PACKAGES = ["cmtof_book", grimp.Layer("cmtof_rooms", "cmtof_lab", independent=False)]
-PACKAGES += ["cmtof"]
+PACKAGES = [
+    "cmtof_book",
+    grimp.Layer("cmtof_rooms", "cmtof_lab", independent=False),
+    "cmtof",
+]
 """Packages from the roof to the ground: none knows a higher one."""
 
 # floors of `cmtof`, from the roof to the ground; rooms of one floor do not see each other
@@ -90,13 +93,13 @@ def test_no_two_classes_have_one_name():
 
 
 def walks():
-    """Modules of each walk through the code that CONTRIBUTING describes."""
+    """Modules of each walk through the code that CONTRIBUTING describes, by its title."""
     text = (ROOT / "CONTRIBUTING.md").read_text("utf-8")
     section = text.split("## A newcomer's walk")[1].split("\n## ")[0]
-    flows = re.findall(r"\*\*(.+?)\*\*.*?:(.*?)(?=\n\n|\Z)", section, re.DOTALL)
+    flow = r"(?s)\*\*(.+?)\*\*.*?:(.*?)(?=\n\n|\Z)"
     return {
-        title: [module_of(name) for name in re.findall(r"`([\w/]+)\.py`", files)]
-        for title, files in flows
+        title: [*map(module_of, re.findall(r"`([\w/]+)\.py`", files))]
+        for title, files in re.findall(flow, section)
     }
 
 
@@ -105,10 +108,10 @@ def module_of(name):
     return ("cmtof." if within.is_file() else "") + name.replace("/", ".")
 
 
-@mark.parametrize("title", walks())
-def test_each_step_of_a_walk_is_imported_by_one_before_it(title, graph):
+@mark.parametrize("modules", walks().values(), ids=walks())
+def test_each_step_of_a_walk_is_imported_by_one_before_it(modules, graph):
     known = set()
-    for before, module in pairwise(walks()[title]):
+    for before, module in pairwise(modules):
         known |= graph.find_modules_directly_imported_by(before)
         # a package's own `__init__` hands its modules on
         assert {module, module.removesuffix(".method")} & known, module

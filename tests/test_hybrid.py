@@ -23,10 +23,9 @@ def test_means_are_those_over_the_pixels_of_each_surface():
 
 def offset_of_surface(mean, spread, said):
     """Offset of one surface, by itself to a standard deviation, and as a network says."""
-    borders = Borders(*np.zeros((4, 0), int))  # it meets no other
     return offsets_with_contacts(
         Offsets(*np.array([[mean], [spread]])),
-        borders,
+        Borders(*np.zeros((4, 0), int)),  # it meets no other
         np.array([[-99], [99]]),
         357.5,
         lambda at: np.where(at == said, 0, -2),

@@ -37,29 +37,29 @@ def read(depth, light=LIGHT, name="d.png", **how):
     return load_frame(write(name, depth), intensity=write("light.png", light), **how)
 
 
-ROTATED = levels(1000) * 8
-CAPPED = np.minimum(levels(1000), 2500).astype(np.uint16)
-UNKNOWN = np.where(DEPTH > 2.9, 65535, levels(1000)).astype(np.uint16)
-
-
 @mark.parametrize(
     ("depth", "how", "right", "note"),
     [
         (levels(5000), {"depth_scale": 5000}, DEPTH, "along the ray"),
         (levels(1000), {}, DEPTH, "1000 levels a metre, for want of a scale"),
         (
-            ROTATED,
+            levels(1000) * 8,  # as if turned
             {"depth_scale": 8000},
             DEPTH,
             "multiples of 8: if these are SUN RGB-D's",
         ),
         (
-            UNKNOWN,
+            np.where(DEPTH > 2.9, np.uint16(65535), levels(1000)),
             {},
             np.where(DEPTH > 2.9, np.nan, DEPTH),
             "at level 65535, taken as unknown",
         ),
-        (CAPPED, {}, np.minimum(DEPTH, 2.5), "at the largest level, 2500"),
+        (
+            levels(1000).clip(max=2500),
+            {},
+            DEPTH.clip(max=2.5),
+            "at the largest level, 2500",
+        ),
     ],
 )
 def test_levels_are_depths_and_odd_ones_are_named(depth, how, right, note):

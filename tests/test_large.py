@@ -65,7 +65,7 @@ def test_tiles_equal_the_whole(stack, method, margin, engine):
 def test_every_tile_has_the_rays_of_the_whole(stack):
     whole = cmtof.open(stack).camera
     centres = [
-        tile.camera[2:4].tolist()
+        tile.camera[2:4]
         for _, tile, _ in unwrap_file(
             stack,
             "t.nc",

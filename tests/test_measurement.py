@@ -21,12 +21,12 @@ from cmtof.storage import save_dataset
 
 pytestmark = mark.usefixtures("own_folder")
 PSI = np.array(QUADRATURES)
+ONES = np.ones((5, 6))
 
 
 def stack():
-    phase = np.ones((5, 6))
-    one = correlation_from_phase(phase, PSI, amplitude=600.0, offset=1000.0)
-    return np.stack([one, one]).astype(np.float32)
+    one = correlation_from_phase(ONES, PSI, amplitude=600.0, offset=1000.0)
+    return np.array([one, one], np.float32)
 
 
 def changed(**changes):
@@ -36,8 +36,9 @@ def changed(**changes):
 
 def made(**more):
     """A measurement of which some things may be replaced."""
-    usual = {"correlation": stack(), "psi": PSI, "frequencies": FREQUENCIES}
-    return Measurement.from_arrays(**usual | more)
+    return Measurement.from_arrays(
+        **{"correlation": stack(), "psi": PSI, "frequencies": FREQUENCIES} | more
+    )
 
 
 def with_sample(value):
@@ -64,8 +65,9 @@ def test_arrays_come_back_from_the_file(rng):
 
 
 def test_npz_of_the_same_names_opens():
-    arrays = {"correlation": stack(), "psi": PSI, "frequency": FREQUENCIES}
-    np.savez("m.npz", **arrays, range_max=2.0)
+    np.savez(
+        "m.npz", correlation=stack(), psi=PSI, frequency=FREQUENCIES, range_max=2.0
+    )
     assert cmtof.open("m.npz").range == (0.0, 2.0)
 
 
@@ -92,7 +94,7 @@ LEFT_OUT = np.arange(30).reshape(5, 6) % 4 == 0
         ~LEFT_OUT,
         np.where(LEFT_OUT, np.nan, 1.0),  # a fill value, as it is read
         np.where(LEFT_OUT, 0, 7),
-        np.ma.masked_array(np.ones((5, 6)), LEFT_OUT),
+        np.ma.masked_array(ONES, LEFT_OUT),
     ],
 )
 def test_every_mark_of_an_invalid_pixel_is_understood(mask):
@@ -102,17 +104,15 @@ def test_every_mark_of_an_invalid_pixel_is_understood(mask):
 
 
 def test_a_masked_array_of_images_masks_its_pixels():
-    hidden = np.broadcast_to(LEFT_OUT, (2, 4, 5, 6))
-    correlation = np.ma.array(stack(), mask=hidden)
-    assert_array_equal(made(correlation=correlation).mask, ~LEFT_OUT)
+    images = stack()
+    hidden = np.ma.array(images, mask=np.broadcast_to(LEFT_OUT, images.shape))
+    assert_array_equal(made(correlation=hidden).mask, ~LEFT_OUT)
 
 
 @mark.parametrize("fill", [0, 1])
 def test_a_mask_with_a_fill_value_survives_its_file(fill):
-    dataset = changed(
-        mask=(("y", "x"), np.where(LEFT_OUT, fill, 1 - fill).astype(np.int8))
-    )
-    dataset["mask"].encoding["_FillValue"] = np.int8(fill)
+    marks = np.where(LEFT_OUT, fill, 1 - fill).astype(np.int8)
+    dataset = changed(mask=(("y", "x"), marks, {}, {"_FillValue": np.int8(fill)}))
     dataset.to_netcdf("m.nc", engine="h5netcdf")
     assert_array_equal(cmtof.open("m.nc").mask, ~LEFT_OUT & (fill == 0))
 
@@ -122,7 +122,7 @@ def test_a_mask_with_a_fill_value_survives_its_file(fill):
     [("frequency", "GHz", 1e9), ("psi", "degree", np.pi / 180), ("depth", "mm", 1e-3)],
 )
 def test_units_that_a_file_states_are_used(name, unit, size):
-    right = changed(depth=(("y", "x"), np.full((5, 6), 1.0)))
+    right = changed(depth=(("y", "x"), ONES))
     stated = right.assign({name: right[name] / size})
     stated[name].attrs["units"] = unit
     found = Measurement(stated).dataset[name]
@@ -206,10 +206,10 @@ def test_counts_below_the_saturation_are_valid():
 @mark.parametrize(
     ("variables", "message"),
     [
-        ({"depth": (("x", "y"), np.ones((6, 5)))}, "depth with dimensions"),
-        ({"depth": (("y", "x"), np.ones((5, 6)), {"units": "K"})}, "depth in m"),
+        ({"depth": (("x", "y"), ONES.T)}, "depth with dimensions"),
+        ({"depth": (("y", "x"), ONES, {"units": "K"})}, "depth in m"),
         ({"camera": (("parameter",), [1.0, 2.0])}, "camera"),
-        ({"mask": (("y", "x"), np.ones((5, 6), complex))}, "numbers as mask"),
+        ({"mask": (("y", "x"), ONES + 0j)}, "numbers as mask"),
         (
             {"raw_counts": (("frequency", "step", "y", "x"), -stack())},
             "raw_counts >= 0, got 240 others",
@@ -258,10 +258,9 @@ def test_nothing_half_written_is_left():
 
 def with_stray_light(scene, psi):
     """Correlations of a scene, of a share of its light, and of light that comes straight back."""
-    known = correlation_from_phase(np.ones((5, 6)), psi, amplitude=600, offset=1000)
-    stray = correlation_from_phase(np.full((5, 6), 2.5), psi, amplitude=30, offset=400)
-    seen = scene * known + stray
-    return made(correlation=np.stack([seen, seen]), psi=psi)
+    known = correlation_from_phase(ONES, psi, amplitude=600, offset=1000)
+    stray = correlation_from_phase(2.5 * ONES, psi, amplitude=30, offset=400)
+    return made(correlation=[scene * known + stray] * 2, psi=psi)
 
 
 def test_stray_light_is_taken_away_at_any_psi():
@@ -275,9 +274,9 @@ def test_stray_light_is_taken_away_at_any_psi():
 @mark.parametrize(
     "covered",
     [
-        Measurement.from_phase(np.ones((2, 5, 6)), FREQUENCIES),
+        Measurement.from_phase([ONES, ONES], FREQUENCIES),
         made(frequencies=(7e9, 14e9 + 1e7)),
-        made(mask=np.zeros((5, 6))),
+        made(mask=0 * ONES),
     ],
     ids=["phases", "other frequencies", "no valid pixel"],
 )

@@ -7,11 +7,10 @@ from numpy.testing import assert_array_equal
 from pytest import fixture, mark, skip, warns
 from refusals import WRONG, refused
 from scores import images, scores
+from walls import WRAP, lit
 
 import cmtof
-from cmtof.correlation import wrap_length
 from cmtof.evaluation import measure_frame, scored_pixels
-from cmtof.frame import Frame
 from cmtof.measurement import Measurement
 from cmtof.methods import METHODS, find_method, names_of
 from cmtof_rooms.rendering import Settings, render_views
@@ -24,8 +23,7 @@ def wall(height, width, light=0.8):
     """A tilted wall inside the released range."""
     y, x = np.indices((height, width))
     depth = 0.85 + 0.2 * x / max(width, 8) + 0.05 * y / max(height, 8)
-    camera = [1.2 * max(height, width)] * 2 + [width / 2, height / 2]
-    return Frame(depth, np.full(depth.shape, light), camera)
+    return lit(depth, light, [*[1.2 * max(height, width)] * 2, width / 2, height / 2])
 
 
 def given_to(name, frame, **conditions):
@@ -47,25 +45,23 @@ def given_to(name, frame, **conditions):
 def test_results_obey_range_and_mask_and_repeat(name, shape, light, hidden):
     """Of images of any size, light or dark, whose first rows are masked."""
     low, high = 0.86, 1.05
-    m = given_to(name, wall(*shape, light))
-    mask = m.mask & (np.indices(shape)[0] >= hidden)
-    dark = m.dataset["correlation"].where(mask)
-    m = Measurement(m.dataset.assign(correlation=dark, mask=(("y", "x"), mask)))
-    count, depth, confidence = images(m, method=name, range=(low, high))
+    data = given_to(name, wall(*shape, light)).dataset
+    data["mask"][:hidden] = False
+    m = Measurement(data)
+    mask = m.mask
+    found = images(m, method=name, range=(low, high))
+    count, depth, confidence = found
     assert (count[~mask] == -1).all()
-    assert (count[mask] >= int(low / wrap_length(7.15e9))).all()
+    assert (count[mask] >= int(low / WRAP)).all()
     assert np.isnan(depth[~mask]).all()
     assert ((depth[mask] >= low - 1e-6) & (depth[mask] < high + 1e-6)).all()
     assert ((confidence >= 0) & (confidence <= mask)).all()
-    assert_array_equal(
-        [count, depth, confidence], images(m, method=name, range=(low, high))
-    )
+    assert_array_equal(found, images(m, method=name, range=(low, high)))
 
 
 @mark.parametrize("name", sorted({*TWO} - {"phasor", "crt-closed-form"}))
 def test_one_wrap_in_range_leaves_no_choice(exact, name):
-    wrap = wrap_length(7.15e9)
-    m = exact(np.full((6, 7), 40.5 * wrap), range_min=40 * wrap, range_max=41 * wrap)
+    m = exact(np.full((6, 7), 40.5 * WRAP), range_min=40 * WRAP, range_max=41 * WRAP)
     assert (cmtof.unwrap(m, method=name).wrap_count == 40).all()
 
 
@@ -110,16 +106,16 @@ def test_learned_methods_tell_their_state(measured, monkeypatch):
 def multiples():
     """A wall between 2 and 5 m at the three tones of a Kinect, two of them multiples."""
     depth = np.linspace(2, 5, 24 * 32).reshape(24, 32)
-    frame = Frame(depth, np.full(depth.shape, 0.8))
+    tones = (16e6, 80e6, 120e6)
     return cmtof.simulate(
-        frame, protocol="full", frequencies=(16e6, 80e6, 120e6), noise=100.0
+        lit(depth, 0.8), protocol="full", frequencies=tones, noise=100.0
     )
 
 
-REFUSING = [name for name in TWO if name.split("-")[0] not in ("crt", "kde")]
+REFUSING = {name for name in TWO if not name.startswith(("crt", "kde"))}
 
 
-@mark.parametrize("name", [*REFUSING, "fast-scnn-light"])
+@mark.parametrize("name", sorted(REFUSING | {"fast-scnn-light"}))
 def test_a_refusal_names_a_method_that_works(multiples, name):
     with refused("the method crt"):
         cmtof.unwrap(multiples, method=name)

@@ -63,11 +63,10 @@ MISTAKES = {
 
 def run_with(source, line):
     """Run a program with the packages of a folder."""
-    changes = {"PYTHONPATH": str(source), "PYTHONDONTWRITEBYTECODE": "1"}
     return subprocess.run(
         [sys.executable, *line.split()],
         cwd=ROOT,
-        env=os.environ | changes,
+        env=os.environ | {"PYTHONPATH": source, "PYTHONDONTWRITEBYTECODE": "1"},
         capture_output=True,
         text=True,
     )

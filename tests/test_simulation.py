@@ -8,7 +8,6 @@ from walls import flat_wall, lit
 
 from cmtof.constants import FREQUENCIES
 from cmtof.correlation import phase_from_depth, wrap_count_from_depth
-from cmtof.frame import Frame
 from cmtof.simulation import QUADRATURES, simulate
 
 
@@ -73,6 +72,5 @@ def test_impossible_conditions_are_refused(tilted_wall, changes, message):
 
 
 def test_depths_in_millimetres_are_suspected(tilted_wall):
-    wall = Frame(1000 * tilted_wall.depth, tilted_wall.intensity)
     with refused("Are they in millimetres?"):
-        simulate(wall)
+        simulate(lit(1000 * tilted_wall.depth))

@@ -39,9 +39,7 @@ def test_harmonics_that_the_samples_cannot_tell_apart_are_refused(count):
 
 
 def test_gate_is_the_series_of_the_square_wave():
-    wave = waveform_from_harmonics(
-        gate(4001), np.array([0.0, 1.0, 2.5, np.pi, np.pi / 2])
-    )
+    wave = waveform_from_harmonics(gate(4001), [0.0, 1.0, 2.5, np.pi, np.pi / 2])
     assert_allclose(wave, [1, 1, 0, 0, 0.5], atol=3e-4)
 
 

@@ -218,13 +218,11 @@ def test_the_book_is_light():
         )
 
 
-DONE = "document.querySelector('#laboratory').dataset.milliseconds"
-
-
 def right_share(tab, method):
     """Share of right wraps that the laboratory shows, once nothing is left to compute."""
+    done = "document.querySelector('#laboratory').dataset.milliseconds"
     tab.wait_for_timeout(100)
-    tab.wait_for_function(DONE)
+    tab.wait_for_function(done)
     caption = tab.locator("#laboratory figcaption", has_text=f"errors of the {method}")
     return float(re.search(r"([\d.]+) % right", caption.inner_text())[1])
 

@@ -23,7 +23,6 @@ from cmtof_rooms.rendering import (
 
 pytest.importorskip("embreex")
 SMALL = Settings(seed=3, scenes=2, views=3, height=48, width=64)
-STORED = Path(__file__).with_name("depth.json")
 
 
 def contents(root):
@@ -53,7 +52,7 @@ def test_a_set_grows_and_keeps_its_first_rooms_and_views(rendered, tmp_path):
 
 def test_depth_agrees_with_stored_values_of_another_machine():
     """Range at 35 pixels of four views within 0.1 mm, but for single ones at outlines."""
-    stored = json.loads(STORED.read_text())
+    stored = json.loads(Path(__file__).with_name("depth.json").read_text())
     views = render_views(Settings(41, 2, 2, 48, 64))
     found = [np.nan_to_num(view.frame.depth[::10, ::10]) for view in views]
     off = np.abs(np.subtract(found, stored))
