@@ -9,7 +9,6 @@ taken out of book/results/scanned.json or book/results/scanned is counted or tra
 
 import gc
 from collections.abc import Callable, Iterable, Iterator
-from dataclasses import replace
 from functools import partial
 from itertools import chain, product
 from pathlib import Path
@@ -25,7 +24,7 @@ from cmtof.frame import Frame
 from cmtof.measurement import Measurement
 from cmtof.network.weights import read_card, weights_path
 from cmtof.simulation import QUADRATURES, RELEASED_WRAPS
-from cmtof.types import Array, Fields, Numbers
+from cmtof.types import Fields, Named
 from cmtof_book import RESULTS
 from cmtof_book.counts import Counts, counts_of
 from cmtof_book.rendered_stills import labelled, rendered_still
@@ -35,11 +34,6 @@ from cmtof_lab.rehearsal import scan_scene
 from cmtof_lab.settings import NOISE, TwinSettings
 from cmtof_lab.targets import MeshTarget, Plane, Target, scene_from
 
-# Rows of a table by name: a method and, if need be, how its weights are found or trained.
-Row = tuple[Any, ...]
-Rows = dict[str, Row]
-
-RATES = RESULTS / "scanned.json"
 FOLDER = Path("build/scanned")  # of the scans
 TUNED = RESULTS / "scanned"  # folder of the fine-tuned weights
 
@@ -81,8 +75,16 @@ VALIDATED = 9  # scans of held-out things
 BASELINE = 0.06  # between the cameras, m: side by side they see what the beam sees
 # Legs of training, the first without labels: the first rendered still life that is learnt, the
 # last, and labelled scans among them.
-_FIRST = ((0, 400, 0), (0, 800, 0), (0, 1200, 0), (0, 1600, 0))
-LEGS = (*_FIRST, (0, 1600, 40), (1600, 2000, 0), (1600, 2400, 0), (1600, 2800, 0))
+LEGS = (
+    (0, 400, 0),
+    (0, 800, 0),
+    (0, 1200, 0),
+    (0, 1600, 0),
+    (0, 1600, 40),
+    (1600, 2000, 0),
+    (1600, 2400, 0),
+    (1600, 2800, 0),
+)
 
 NETWORK = "fast-scnn"
 # Rows with the fine-tuned weights, and their methods.
@@ -97,6 +99,7 @@ LEARNING: Fields = TUNING | {"steps": 2500}
 
 DEPTH_WEIGHT = 0.005  # weight of the distance in depth, 1/mm, as where the network was trained last
 
+Weights = Callable[[], Path]  # finds the file, or trains it
 Noise = str | float  # one of `cmtof_lab.settings.NOISE`, or a multiple of the captures'
 
 # Phase noise over that of the captures, and its name.
@@ -120,15 +123,14 @@ def scan_target(
     The zero of the beat is that of a short scan at the photon limit. Without ``stray`` light: what
     comes back while a cap covers the beam is taken away.
     """
-    quiet = TwinSettings()
-    noisy = replace(quiet, **noise_settings(noise))
+    noisy = TwinSettings(**noise_settings(noise))
     scan = scan_scene(noisy, target, size=size, **view)
     if not stray:
         covered = scan_scene(noisy, CAP, size=COVERED, **view)
         scan = scan.without_stray_light(covered)
     data = scan.dataset
     if noise != "photon":
-        short = scan_scene(quiet, target, size=1, **view)
+        short = scan_scene(TwinSettings(), target, size=1, **view)
         data = data.assign(psi=short.dataset["psi"])
     return Measurement(data).between(*ENDS)
 
@@ -148,8 +150,9 @@ def close_pair(scan: Measurement, other: Measurement) -> Measurement:
         [one.phase[0] for one in both],
         [one.frequencies[0] for one in both],
         amplitude=[one.amplitude[0] for one in both],
-        **_kept_variables(scan),
-    )
+        depth=scan.depth,
+        mask=scan.mask,
+    ).between(*scan.range)
 
 
 def four_phases(scan: Measurement) -> Measurement:
@@ -165,17 +168,9 @@ def four_phases(scan: Measurement) -> Measurement:
     psi = np.asarray(QUADRATURES)
     angle = scan.phase[:, None] + psi[:, None, None]
     made = amplitude[:, None] * (np.pi / 2 + np.cos(angle))
-    return Measurement.from_arrays(made, psi, scan.frequencies, **_kept_variables(scan))
-
-
-def _kept_variables(scan: Measurement) -> Fields:
-    """What another measurement of a scan keeps of it."""
-    return {
-        "depth": scan.depth,
-        "mask": scan.mask,
-        "range_min": scan.range[0],
-        "range_max": scan.range[1],
-    }
+    return Measurement.from_arrays(
+        made, psi, scan.frequencies, depth=scan.depth, mask=scan.mask
+    ).between(*scan.range)
 
 
 def frame_of(target: Target, scan: Measurement) -> Frame:
@@ -202,13 +197,17 @@ def kept_scan(
     return load_or_make(f"{kind}_{name}_{noise}_{seed}", made)
 
 
-def example(number: int, group: int = 0) -> tuple[Measurement, Numbers, Array]:
-    """Still life scanned or rendered, its wraps, -1 where unknown, and its depth, m."""
-    make = partial(labelled_scan, number, group)
-    if group == RENDERED:
-        make = partial(rendered_still, number, SIZE)
-    scan = load_or_make(f"still_{group}_{number}", make)
-    return scan, *(scan.dataset[key].to_numpy() for key in ("wraps", "labels"))  # pyright: ignore[reportReturnType]
+def examples(numbers: Iterable[int], group: int = 0) -> Iterator[Any]:
+    """Still lifes of a group, scanned or rendered, their wraps, -1 where unknown, and depth, m.
+
+    They come one by one, so that only what is learnt from them is held.
+    """
+    for number in numbers:
+        make = partial(labelled_scan, number, group)
+        if group == RENDERED:
+            make = partial(rendered_still, number, SIZE)
+        scan = load_or_make(f"still_{group}_{number}", make)
+        yield scan, *(scan.dataset[key].to_numpy() for key in ("wraps", "labels"))
 
 
 def labelled_scan(number: int, group: int) -> Measurement:
@@ -268,11 +267,6 @@ def write_mean(path: Path, *files: Path) -> None:
     save_weights(path, one.network, one.card)
 
 
-def examples(numbers: Iterable[int], group: int = 0) -> Iterator[Any]:
-    """Examples of a group one by one, so that only what is learnt from them is held."""
-    return (example(number, group) for number in numbers)
-
-
 def trained_leg(
     path: Path,
     start: Path,
@@ -305,10 +299,14 @@ def trained_leg(
     return path
 
 
-def wraps_off(scans: Iterable[Measurement], row: Row) -> list:
-    """Of each scan: scored pixels, and how many are off by fewer wraps than 1, 2, 3 and 10."""
-    method, *trained = row
-    options = {"weights": trained[0]()} if trained else {}
+def wraps_off(
+    scans: Iterable[Measurement], method: str, trained: Weights | None = None
+) -> list:
+    """Of each scan: scored pixels, and how many are off by fewer wraps than 1, 2, 3 and 10.
+
+    ``trained`` finds or trains weights of the method, if it has others than the shipped ones.
+    """
+    options = {"weights": trained()} if trained else {}
     every = counts_of(scans, method=method, **options)
     return [[one["pixels"], *one["below"]] for one in every]
 
@@ -326,37 +324,33 @@ def scan_for_row(row: str, name: str, noise: Noise, seed: int) -> Measurement:
     return scan
 
 
-def validation_rates(trained: Callable[[], Path]) -> list[float]:
+def validation_rates(trained: Weights) -> list[float]:
     """Shares of right wraps on scans of the things that are held out."""
-    scans = (example(number, 1)[0] for number in range(VALIDATED))
-    every = wraps_off(scans, (NETWORK, trained))
+    scans = (scan for scan, *_ in examples(range(VALIDATED), 1))
+    every = wraps_off(scans, NETWORK, trained)
     return [round(right / pixels, 4) for pixels, right, *_ in every]
 
 
-def compare(counts: Counts, noise: str, rows: Rows) -> None:
-    """Count rows of methods on three scans of each of the shown scenes."""
+def compare(counts: Counts, noise: str, rows: Named) -> None:
+    """Count rows, each what `wraps_off` is given, on three scans of each of the shown scenes."""
     for (name, row), scene in product(rows.items(), SHOWN):
         given = (scan_for_row(name, scene, noise, seed) for seed in SEEDS)
-        counts.keep("counts", noise, name, scene, of=partial(wraps_off, given, row))
+        counts.keep("counts", noise, name, scene, of=partial(wraps_off, given, *row))
 
 
-def sweep(counts: Counts, rows: Rows) -> None:
+def sweep(counts: Counts, rows: Named) -> None:
     """Count scans of fewer points and of other noise: every second, every fourth point of each."""
     for level, stride, (name, row) in product(LEVELS, STRIDES, rows.items()):
-        given = (thin_scan(kept_scan(scene, LEVELS[level]), stride) for scene in SWEPT)
-        side = str(SIZE // stride)
-        counts.keep("sweep", level, side, name, of=partial(wraps_off, given, row))
-
-
-def thin_scan(scan: Measurement, stride: int) -> Measurement:
-    """Every so many points of a scan: what a scan of fewer points would have measured."""
-    return Measurement(scan.dataset.thin(x=stride, y=stride).drop_vars("camera"))
+        scans = (kept_scan(scene, LEVELS[level]).dataset for scene in SWEPT)
+        thin = (one.thin(x=stride, y=stride).drop_vars("camera") for one in scans)
+        of = partial(wraps_off, map(Measurement, thin), *row)
+        counts.keep("sweep", level, str(SIZE // stride), name, of=of)
 
 
 def main() -> None:
     """Compute what is missing, and store it."""
     FOLDER.mkdir(parents=True, exist_ok=True)
-    counts = Counts(RATES)
+    counts = Counts(RESULTS / "scanned.json")
     for legs in range(len(LEGS) + 1):
         trained = partial(best_weights, legs)
         counts.keep("validation", f"{legs} legs", of=partial(validation_rates, trained))
@@ -368,10 +362,10 @@ def main() -> None:
         training=[TUNING, LEARNING],
         weights=read_card(best_weights()).sha256,
     )
-    rows: Rows = {name: (name,) for name in (*METHODS, *TOLD) if name != "phasor"}
+    rows: Fields = {name: (name,) for name in (*METHODS, *TOLD) if name != "phasor"}
     for name, method in TUNED_ROWS.items():
         rows[name] = (method, best_weights)
-    stray: Rows = {f"stray {method}": (method,) for method in STRAY}
+    stray = {f"stray {method}": (method,) for method in STRAY}
     compare(counts, "photon", rows | stray)
     swept = ("kde", *TOLD)
     sweep(counts, {NETWORK: rows["tuned"], **{name: (name,) for name in swept}})
