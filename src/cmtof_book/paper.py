@@ -18,7 +18,7 @@ from matplotlib.ticker import EngFormatter
 from cmtof.types import Fields
 from cmtof_book import notes, provenance, record
 from cmtof_book.compared import Compared
-from cmtof_book.verdict import Dependency, OwnNumber, Published, Score, Value
+from cmtof_book.verdict import OwnNumber, Published, Score, Value
 
 _SIGNS = {"eq": "", "approx": "≈ ", "lt": "< ", "gt": "> "}
 
@@ -28,18 +28,16 @@ def published_numbers() -> dict[str, Published]:
     """Every published number by its key, in the order of the paper."""
     stored = Path(__file__).with_name("paper.yml")
     document = yaml.safe_load(stored.read_text("utf-8"))
-    known = document["_dependencies"]
     return {
         one.key: one
         for name, held in document.items()
         if name[0] != "_"
-        for one in _numbers_of(name, held, known)
+        for one in _numbers_of(name, held)
     }
 
 
-def _numbers_of(name: str, held: Fields, known: Fields) -> Iterator[Published]:
+def _numbers_of(name: str, held: Fields) -> Iterator[Published]:
     """Numbers of an entry; a row of a table has some, whose keys end in those of its columns."""
-    depends = [Dependency(one, **known[one]) for one in held.get("depends", ())]
     columns = held.get("columns", {"": ""})
     values = np.atleast_1d(held["value"]).tolist()
     for (column, title), value in zip(columns.items(), values, strict=True):
@@ -52,7 +50,6 @@ def _numbers_of(name: str, held: Fields, known: Fields) -> Iterator[Published]:
                 "value": value,
                 "what": f"{held['what']}, {title}".rstrip(", "),
                 "tolerance": min(allowed),
-                "depends": depends,
             }
         )
 
