@@ -40,9 +40,12 @@ def large_frame() -> Any:
     small = load_frame("room")
     factor = SHAPE[0] / small.depth.shape[0]  # along rows as along columns
     rows, columns = (np.indices(SHAPE) / factor).astype(int)
-    light = small.intensity[rows, columns]
-    camera = small.camera * factor
-    return Frame(small.depth[rows, columns], light, camera, "room, enlarged")
+    return Frame(
+        small.depth[rows, columns],
+        small.intensity[rows, columns],
+        small.camera * factor,
+        "room, enlarged",
+    )
 
 
 def ratios() -> None:
@@ -109,8 +112,9 @@ def store() -> None:
         "command": "python -m cmtof_book.benchmarks --store",
         "version": __version__,
         "machine": f"one thread of {processor()}",
+        "methods": found,
     }
-    write_json(RESULTS / "methods_cost.json", about | {"methods": found})
+    write_json(RESULTS / "methods_cost.json", about)
 
 
 if __name__ == "__main__":

@@ -110,8 +110,8 @@ def texts(scores: Scores, records: list[Record]) -> Texts:
 
     The table has each claim, our answer, the verdict and why. A claim's figure is that of a build.
     """
-    numbers = numbers_of(scores, records)
-    page = partial(pages.page, fill=partial(fill_in, numbers=numbers))
+    fill = partial(fill_in, numbers=numbers_of(scores, records))
+    page = partial(pages.page, fill=fill)
     every = claims(scores)
     drawn = {record.name: record.content for record in records}
     single = {

@@ -63,9 +63,14 @@ def comparison_figure(scene: Scene, labels: Sequence[str]) -> Figure:
     image(light, brightness, cmap="gray", title="the room", bar=False)
     image(truth, scene.count(), limits=scene.limits, title="true wraps", bar=False)
     for ax, label in zip(others, labels, strict=True):
-        title = f"{label}: {100 * scene.right(label):.0f} %"
-        error = scene.error(label)
-        image(ax, error, title=title, cmap="magma", limits=(0, WORST), bar=False)
+        image(
+            ax,
+            scene.error(label),
+            title=f"{label}: {100 * scene.right(label):.0f} %",
+            cmap="magma",
+            limits=(0, WORST),
+            bar=False,
+        )
     figure.colorbar(others[0].images[0], ax=axes[:6], label="wraps off")
     return figure
 
@@ -111,5 +116,5 @@ def _pictures(scene: Scene, label: str, place: str) -> Iterator[str]:
 def _image(values: NDArray, kind: str, text: str = "", **look: Any) -> str:
     written = BytesIO()
     plt.imsave(written, values, **look)
-    source = f"data:image/png;base64,{letters(written.getvalue())}"
-    return f'<img class="dark-light {kind}" alt="{text}" src="{source}">'
+    source = letters(written.getvalue())
+    return f'<img class="dark-light {kind}" alt="{text}" src="data:image/png;base64,{source}">'

@@ -38,5 +38,5 @@ class Counts:
 
 def counts_of(scans: Iterable[Measurement], **options: Any) -> list[Fields]:
     """Counts of each measurement, unwrapped with these options."""
-    tally = Tally()
-    return [tally.add(scored_pixels(unwrap(scan, **options), scan)) for scan in scans]
+    pixels = (scored_pixels(unwrap(scan, **options), scan) for scan in scans)
+    return [*map(Tally().add, pixels)]

@@ -30,5 +30,5 @@ def show(html: str, *scripts: Path) -> None:
         f'<style>{LOOK}{style}</style><body class="bd-article">{html}'
         f"<script>{''.join(acts)}</script>"
     )
-    frame = f'<iframe width="100%" frameborder="0" onload="{GROW}" srcdoc="{held}">'
-    record.show({"text/html": f"{frame}</iframe>"}, "page", html=html)
+    frame = f'<iframe width="100%" frameborder="0" onload="{GROW}" srcdoc="{held}"></iframe>'
+    record.show({"text/html": frame}, "page", html=html)

@@ -15,7 +15,7 @@ import numpy as np
 import yaml
 from matplotlib.ticker import EngFormatter
 
-from cmtof.types import Fields
+from cmtof.types import Fields, Named
 from cmtof_book import notes, provenance, record
 from cmtof_book.compared import Compared
 from cmtof_book.verdict import OwnNumber, Published, Score, Value
@@ -26,8 +26,7 @@ _SIGNS = {"eq": "", "approx": "≈ ", "lt": "< ", "gt": "> "}
 @cache
 def published_numbers() -> dict[str, Published]:
     """Every published number by its key, in the order of the paper."""
-    stored = Path(__file__).with_name("paper.yml")
-    document = yaml.safe_load(stored.read_text("utf-8"))
+    document = yaml.safe_load(Path(__file__).with_name("paper.yml").read_bytes())
     return {
         one.key: one
         for name, held in document.items()
@@ -68,19 +67,19 @@ def check(
     interval; several by their case, such as «with photon noise alone», all decide. ``crops`` is how
     many a network was trained on. The standard error of a sum over draws gives its interval.
     """
-    kind = {}
+    found: Fields = {}
     given: Any = value
     if isinstance(value, Compared):
-        kind = value.record()
+        found = value.record()
         given = value.value + 1.96 * (value.error or 0.0) * np.array([0, -1, 1])
     score = Score.of(
         published_number(key), given, profile=provenance.RUN["profile"], crops=crops
     )
-    found = {**kind, "cases": score.cases, "verdict": score.verdict, "crops": crops}
+    found |= {"cases": score.cases, "verdict": score.verdict, "crops": crops}
     record.add(record.PAPER, {key: found})
 
 
-def check_all(reached: Mapping[str, Value]) -> None:
+def check_all(reached: Named) -> None:
     """`check` results by the key of their published number."""
     for key, value in reached.items():
         check(key, value)
@@ -91,9 +90,14 @@ def table() -> None:
     rows = []
     for key, held in record.read(record.PAPER).items():
         number = published_number(key)
-        what = f"{number.where}, {number.what}"
-        ours = result_text(Score(number, held["cases"]))
-        rows.append([what, published_text(number), ours, held["verdict"]])
+        rows.append(
+            [
+                f"{number.where}, {number.what}",
+                published_text(number),
+                result_text(Score(number, held["cases"])),
+                held["verdict"],
+            ]
+        )
     verdicts = Counter(row[-1] for row in rows)
     said = ", ".join(f"{count} {name}" for name, count in verdicts.most_common())
     fold = f"{len(rows)} numbers: {said}" if len(rows) > 12 else ""

@@ -5,7 +5,7 @@ Colours are those of Okabe and Ito (2008), which stay apart for colour-blind rea
 
 import csv
 import re
-from collections.abc import Collection, Iterable, Iterator, Mapping, Sequence
+from collections.abc import Collection, Iterable, Iterator, Sequence
 from pathlib import Path
 from string import ascii_lowercase
 from typing import Any, Literal
@@ -25,7 +25,7 @@ from PIL import Image
 
 from cmtof.correlation import TAU
 from cmtof.files import atomic_output
-from cmtof.types import Named, Pair
+from cmtof.types import Named, Pair, Texts, Values
 from cmtof_book import provenance, record
 
 PALETTE = {  # in the order in which lines take them
@@ -148,18 +148,17 @@ def sweep(
 
 def intervals(
     ax: Axes,
-    rows: Mapping[str, Sequence[float]],
+    rows: Named,
     *,
-    colors: Mapping[str, str],
-    published: Mapping[str, float],
+    colors: Texts,
+    published: Values,
 ) -> None:
     """Dots with bars (value, low, high), a row a name, the first on top; diamonds of the paper."""
     for place, (name, (value, *ends)) in enumerate(rows.items()):
         ax.plot(ends, [place, place], color=colors[name], lw=3, alpha=0.45)
         ax.plot(value, place, "o", color=colors[name], ms=5)
-    theirs = [published.get(name, np.nan) for name in rows]
     ax.plot(
-        theirs,
+        [published.get(name, np.nan) for name in rows],
         range(len(rows)),
         "D",
         mfc="none",
@@ -170,7 +169,7 @@ def intervals(
     _name_rows(ax, rows)
 
 
-def dots(ax: Axes, series: Mapping[str, ArrayLike], rows: Sequence[str]) -> None:
+def dots(ax: Axes, series: Named, rows: Sequence[str]) -> None:
     """Dots of series (R,), each with a marker of its own, a row a name, the first on top."""
     for number, (label, values) in enumerate(series.items()):
         places = np.arange(len(rows)) + 0.12 * number

@@ -51,8 +51,8 @@ def rendered_still(number: int, size: int) -> Measurement:
 
 def labelled(data: Dataset, wraps: Numbers, depth: Array) -> Measurement:
     """Measurement with its wraps, -1 where unknown, and the depth that they give, m."""
-    labels = {"wraps": (("y", "x"), wraps), "labels": (("y", "x"), depth)}
-    return Measurement(data.assign(labels))
+    image = ("y", "x")
+    return Measurement(data.assign(wraps=(image, wraps), labels=(image, depth)))
 
 
 def rendered_scene(

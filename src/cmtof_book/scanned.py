@@ -362,16 +362,14 @@ def main() -> None:
         training=[TUNING, LEARNING],
         weights=read_card(best_weights()).sha256,
     )
-    rows: Fields = {name: (name,) for name in (*METHODS, *TOLD) if name != "phasor"}
-    for name, method in TUNED_ROWS.items():
-        rows[name] = (method, best_weights)
-    stray = {f"stray {method}": (method,) for method in STRAY}
-    compare(counts, "photon", rows | stray)
-    swept = ("kde", *TOLD)
-    sweep(counts, {NETWORK: rows["tuned"], **{name: (name,) for name in swept}})
-    rows |= {"phasor": ("phasor",), "rendered": (NETWORK, partial(best_weights, 4))}
-    for n in CURVE:
-        rows[f"{n} scans"] = (NETWORK, partial(tuned_weights, n))
+    rows: Fields = {name: (name,) for name in (*METHODS, *TOLD)}
+    phasor = rows.pop("phasor")
+    rows |= {name: (method, best_weights) for name, method in TUNED_ROWS.items()}
+    compare(counts, "photon", rows | {f"stray {name}": (name,) for name in STRAY})
+    swept = {NETWORK: rows["tuned"]}
+    sweep(counts, swept | {name: rows[name] for name in ("kde", *TOLD)})
+    rows |= {"phasor": phasor, "rendered": (NETWORK, partial(best_weights, 4))}
+    rows |= {f"{n} scans": (NETWORK, partial(tuned_weights, n)) for n in CURVE}
     compare(counts, "captures", rows)
 
 

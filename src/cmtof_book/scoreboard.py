@@ -37,16 +37,16 @@ SHOWN = ("reproduced", "contradicted", "open")
 def scores_in(records: Iterable[Record]) -> Scores:
     """Every published number with the result of the first chapter that checked it."""
     scores = {key: Score(number) for key, number in published_numbers().items()}
-    for record in records:
-        for key, held in record.numbers.items() if record.name == PAPER else ():
-            if not scores[key].chapter:
-                scores[key] = Score(
-                    scores[key].number,
-                    held["cases"],
-                    profile=record.content["provenance"]["profile"],
-                    crops=held["crops"],
-                    chapter=record.chapter,
-                )
+    checked = [record for record in records if record.name == PAPER]
+    for record in reversed(checked):
+        for key, held in record.numbers.items():
+            scores[key] = Score(
+                scores[key].number,
+                held["cases"],
+                profile=record.content["provenance"]["profile"],
+                crops=held["crops"],
+                chapter=record.chapter,
+            )
     return scores
 
 

@@ -28,11 +28,13 @@ def figure_cell(output: Any, about: Fields, stem: str) -> Any:
     """
     paper = re.match(r"(fig|table)0*(\d+)_", about["name"])
     caption = pages.page("caption", about=about, stem=stem, paper=paper)
-    name = "fig-" + about["name"].replace("_", "-")
     metadata = {
         "tags": ["remove-input", *["hide-output"] * about["folded"]],
         "mystnb": {
-            "figure": {"caption": myst(caption), "name": name},
+            "figure": {
+                "caption": myst(caption),
+                "name": "fig-" + about["name"].replace("_", "-"),
+            },
             "image": {"alt": about["alt"]},
         },
     }

@@ -62,9 +62,10 @@ def rows_of(methods: Sequence[str], protocol: str, runs: Path | None) -> Iterato
         for file in sorted(runs.glob(f"*/*.{protocol}.safetensors")):
             yield Row(file.parent.name, read_card(file).model, file)
         return
-    without = ("untrained", "no weights")
     ready = (
-        name for name, one in METHODS.items() if one.state(protocol) not in without
+        name
+        for name, one in METHODS.items()
+        if one.state(protocol) not in ("untrained", "no weights")
     )
     for one in map(find_method, methods or ready):
         yield Row(one.name, one.name, weights_path(one.network, protocol))

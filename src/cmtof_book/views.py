@@ -38,14 +38,14 @@ class Layer(NamedTuple):
     def pack(self, step: int) -> Fields:
         """Every so many points for the page, and the key to their colours."""
         colours = self.colours(step)
-        scale = plt.get_cmap(self.scale)
+        key = plt.get_cmap(self.scale)(np.linspace(0, 1, 9))
         return {
             "shape": colours.shape[:2],
             "points": letters(self.points[::step, ::step].astype("<f4")),
             "colours": letters(np.rint(255 * colours).astype(np.uint8)),
             "meaning": self.meaning,
             "ends": [f"{end:.3g}" for end in self.ends],
-            "scale": ", ".join(map(to_hex, scale(np.linspace(0, 1, 9)))),
+            "scale": ", ".join(map(to_hex, key)),
         }
 
 
