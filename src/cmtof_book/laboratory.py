@@ -91,10 +91,10 @@ def pack(content: bytes | NDArray) -> str:
 
 def write(folder: Path) -> None:
     """Write ``scenes.js``, ``runtime.js``, and phases as a reader has them: ``example.csv``."""
-    room = held_out_frames()[ROOMS["study"]].middle(96, 128)
-    phases = np.concatenate(simulate(room, seed=0).phase)
-    np.savetxt(folder / "example.csv", phases, "%.3f", ",")
-    drawn = {name: packed_scene(frame) for name, frame in scenes().items()}
+    frames = scenes()
+    room = simulate(frames["study"].middle(96, 128), seed=0)
+    np.savetxt(folder / "example.csv", np.concatenate(room.phase), "%.3f", ",")
+    drawn = {name: packed_scene(frame) for name, frame in frames.items()}
     runtime = {
         key: letters((RUNTIME / f"{name}.gz").read_bytes())
         for key, name in SCRIPTS.items()

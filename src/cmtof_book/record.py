@@ -7,7 +7,6 @@ number is plain, or has a kind (`cmtof_book.compared`), and then tests compare i
 The accepted figures, the scoreboard and the tests read records and nothing else.
 """
 
-from collections.abc import Iterator
 from pathlib import Path
 from typing import Any, NamedTuple
 
@@ -61,7 +60,9 @@ def read(name: str) -> Fields:
     return _HELD.setdefault(f"{provenance.output_folder()}/{name}", {})
 
 
-def read_all(results: Path) -> Iterator[Record]:
+def read_all(results: Path) -> list[Record]:
     """Every record of a build, whose chapters have a folder each."""
-    for path in sorted(results.glob("*/*.json")):
-        yield Record(path.parent.name, path.stem, provenance.read_json(path))
+    return [
+        Record(path.parent.name, path.stem, provenance.read_json(path))
+        for path in sorted(results.glob("*/*.json"))
+    ]

@@ -222,8 +222,9 @@ def labelled_scan(number: int, group: int) -> Measurement:
     seed = 1000 + 5000 * group + number
     scan = scan_target(target, "captures", field_of_view=view, seed=seed)
     rig = stereo.simulated_rig(baseline=BASELINE)
-    rng = np.random.default_rng(number)
-    spots = stereo.scan_spots(frame_of(target, scan), rig, rng=rng)
+    spots = stereo.scan_spots(
+        frame_of(target, scan), rig, rng=np.random.default_rng(number)
+    )
     found = stereo.truth_from_spots(spots, rig, phase=scan.phase[0])
     return labelled(scan.dataset.drop_vars("raw_counts"), found.wraps, found.depth)
 
@@ -246,6 +247,10 @@ def best_weights(legs: int = len(LEGS)) -> Path:
     path = weights_path(NETWORK, "released", TUNED if legs == len(LEGS) else folder)
     if path.exists():
         return path
+
+    from cmtof.network.training import average_into
+    from cmtof.network.weights import load_weights, save_weights
+
     first, last, scans = LEGS[legs - 1]
     trained = folder / "trained.safetensors"
     start = best_weights(legs - 1)
@@ -253,18 +258,11 @@ def best_weights(legs: int = len(LEGS)) -> Path:
     both = chain(examples(range(first, last), RENDERED), among)
     # a number of its own, though a leg with scans learns the still lifes of the one before
     trained_leg(trained, start, both, seed=last // 400 + (scans > 0), **LEARNING)
-    write_mean(path, trained, start if scans else trained)
+    mean, card = load_weights(trained)
+    if scans:
+        average_into(mean, load_weights(start).network, step=9, most=0.5)
+    save_weights(path, mean, card)
     return path
-
-
-def write_mean(path: Path, *files: Path) -> None:
-    """Write the mean of two files of weights, with the card of the first."""
-    from cmtof.network.training import average_into
-    from cmtof.network.weights import load_weights, save_weights
-
-    one, other = map(load_weights, files)
-    average_into(one.network, other.network, step=9, most=0.5)
-    save_weights(path, one.network, one.card)
 
 
 def trained_leg(

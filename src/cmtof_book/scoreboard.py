@@ -9,7 +9,7 @@ script of the book hides the lines that a reader does not want.
 import math
 import re
 from collections import defaultdict
-from collections.abc import Iterable, Iterator
+from collections.abc import Iterable, Iterator, Sequence
 from itertools import groupby
 from pathlib import Path
 from string import ascii_lowercase
@@ -34,12 +34,11 @@ SPAN = 30  # greatest ratio that is drawn, and its inverse
 SHOWN = ("reproduced", "contradicted", "open")
 
 
-def scores_in(records: Iterable[Record]) -> Scores:
+def scores_in(records: Sequence[Record]) -> Scores:
     """Every published number with the result of the first chapter that checked it."""
     scores = {key: Score(number) for key, number in published_numbers().items()}
-    checked = [record for record in records if record.name == PAPER]
-    for record in reversed(checked):
-        for key, held in record.numbers.items():
+    for record in reversed(records):
+        for key, held in record.numbers.items() if record.name == PAPER else ():
             scores[key] = Score(
                 scores[key].number,
                 held["cases"],

@@ -53,14 +53,16 @@ def place_shown(notebook: Any, stem: str) -> None:
         for output in [*cell.get("outputs", ())]:
             about = output.get("metadata", {}).pop("cmtof", {"kind": ""})
             match about["kind"]:
+                case "":
+                    continue
                 case "page":
                     output.data["text/html"] = about["html"]
+                    continue
                 case "figure":
                     figures.append(figure_cell(output, about, stem))
                 case "text" | "answer":
                     said.append(new_markdown_cell(output.data["text/markdown"]))
-            if about["kind"] not in ("", "page"):
-                cell.outputs.remove(output)
+            cell.outputs.remove(output)
             if about["kind"] == "answer":
                 put_behind_question(notebook.cells[0], said[-1].source)
         if not said or not cell.source.startswith("notes."):
@@ -129,7 +131,7 @@ def main(build: Path, stage: Path, *notebooks: Path) -> None:
     """Add the pages of ``build``, executed notebooks among them, to the chapters in ``stage``."""
     for executed in notebooks:
         stage_notebook(executed, stage / "notebooks" / executed.name)
-    records = list(read_all(build / "results"))
+    records = read_all(build / "results")
     scores = scoreboard.scores_in(records)
     texts = claims.texts(scores, records)
     texts["scoreboard"] = scoreboard.page(scores, records, notebooks)
