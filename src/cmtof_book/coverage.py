@@ -43,7 +43,11 @@ CONDITIONS: dict[str, Fields] = {
 # Whether walls have waves of 0.02 to 0.3 wraps, 8 to 50 px wide, or 0.12 wraps a pixel.
 UNEVEN = {"released, σ = 1200, waves": True, "released, σ = 1200, rough": False}
 SCANS = {"scans, photon": "photon", "scans, captures": "captures"}  # and their noise
-HYBRID = ("released, σ = 1200", "full, σ = 1200")  # conditions of this method
+# Conditions under which the sets of a method are counted.
+CHECKED = {
+    "surfaces": (*CONDITIONS, *UNEVEN, *SCANS),
+    "hybrid": ("released, σ = 1200", "full, σ = 1200"),
+}
 
 
 def calibrate_sets() -> Values:
@@ -104,8 +108,7 @@ def main() -> None:
     counts.store(command="python -m cmtof_book.coverage", version=__version__)
     counts.keep("half-widths", of=calibrate_sets)
     frames = [*islice(views(613, tested=False), 40)]
-    every = [*CONDITIONS, *UNEVEN, *SCANS]
-    for method, conditions in {"surfaces": every, "hybrid": HYBRID}.items():
+    for method, conditions in CHECKED.items():
         for one in conditions:
             of = partial(coverage_means, method, measurements(one, frames))
             counts.keep("checked", method, one, of=of)

@@ -101,5 +101,6 @@ def write(folder: Path) -> None:
     }
     runtime["model"] = pack(light_network())
     for name, data in {"scenes": drawn, "runtime": runtime}.items():
-        text = f"laboratory.{name} = {json.dumps(data)};\n"
-        (folder / f"{name}.js").write_text(text, "utf-8")
+        (folder / f"{name}.js").write_text(
+            f"laboratory.{name} = {json.dumps(data)};\n", "utf-8"
+        )

@@ -44,8 +44,9 @@ def store_texts(html: Path) -> None:
                 unread.decompose()
             texts[name] = escape(article.get_text(" "))
     for name, held in {"Texts": texts, "Previews": previews}.items():
-        text = f"const cmtof{name} = {json.dumps(held)};"
-        (html / f"_static/{name.lower()}.js").write_text(text, "utf-8")
+        (html / f"_static/{name.lower()}.js").write_text(
+            f"const cmtof{name} = {json.dumps(held)};", "utf-8"
+        )
 
 
 if __name__ == "__main__":

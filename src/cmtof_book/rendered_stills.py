@@ -61,8 +61,8 @@ def rendered_scene(
     """Phasors (2, H, W), of the emitted light, of a scene in a field of view, and range, m."""
     angle = np.rad2deg(view)
     plan = plan_scan(rig_of("", field_of_view_deg=(angle, angle)), size=size)
-    target = MeshTarget.from_mesh(mesh)
-    paths = trace(target, plan.angles.reshape(-1, 2), QUIET, seed)
+    angles = plan.angles.reshape(-1, 2)
+    paths = trace(MeshTarget.from_mesh(mesh), angles, QUIET, seed)
     reach = QUIET.group_index * paths.range
     phase = phase_from_depth(reach, np.reshape(FREQUENCIES, (2, 1, 1)))
     phasor = (paths.fraction * np.exp(1j * phase)).sum(-1)
@@ -101,8 +101,7 @@ def _profile(rng: Generator) -> Array:
     breadth = rng.uniform(0.03, 0.11) * np.exp(rng.normal(0, 0.25, count).cumsum())
     reach = breadth * np.exp(rng.normal(0, 0.2, (2, 1)))
     sides = np.clip([breadth, *reach], 0.012, 0.13)
-    tip = [height[-1] + 0.01, 0, 0, 0]
-    return np.vstack([np.transpose([height, *sides]), tip])
+    return np.vstack([np.transpose([height, *sides]), [height[-1] + 0.01, 0, 0, 0]])
 
 
 def _opening(rng: Generator) -> tuple:

@@ -193,8 +193,10 @@ def kept_scan(
     name: str, noise: Noise, seed: int = 0, *, kind: str = "scan", **options: Any
 ) -> Measurement:
     """Scan as `scan_object` makes it with options; ``kind`` names them in the file's name."""
-    made = partial(scan_object, name, noise, seed=seed, **options)
-    return load_or_make(f"{kind}_{name}_{noise}_{seed}", made)
+    return load_or_make(
+        f"{kind}_{name}_{noise}_{seed}",
+        partial(scan_object, name, noise, seed=seed, **options),
+    )
 
 
 def examples(numbers: Iterable[int], group: int = 0) -> Iterator[Any]:
@@ -269,13 +271,12 @@ def trained_leg(
     path: Path,
     start: Path,
     learnt: Iterable[Any],
-    *,
-    seed: int,
     **options: Any,
 ) -> Path:
     """Path of weights, which are trained from others on examples unless they are there.
 
-    The learning rate falls to zero; in half precision where the processor can.
+    Options are those of `cmtof.network.tuning.fine_tune`. The learning rate falls to zero; in half
+    precision where the processor can.
     """
     import torch
 
@@ -290,7 +291,7 @@ def trained_leg(
         half = torch.cpu.get_capabilities().get("avx512_bf16", False)
         # without a cache, which would keep the first step's weights for the whole block
         with torch.autocast("cpu", torch.bfloat16, half, cache_enabled=False):
-            tuned, losses = fine_tune(trained, learnt, seed=seed, **options)
+            tuned, losses = fine_tune(trained, learnt, **options)
         path.parent.mkdir(exist_ok=True)
         save_weights(path, tuned.network, tuned.card)
         print(path.parent.name, np.mean(losses[-50:]), flush=True)
@@ -305,8 +306,10 @@ def wraps_off(
     ``trained`` finds or trains weights of the method, if it has others than the shipped ones.
     """
     options = {"weights": trained()} if trained else {}
-    every = counts_of(scans, method=method, **options)
-    return [[one["pixels"], *one["below"]] for one in every]
+    return [
+        [one["pixels"], *one["below"]]
+        for one in counts_of(scans, method=method, **options)
+    ]
 
 
 def scan_for_row(row: str, name: str, noise: Noise, seed: int) -> Measurement:
@@ -317,15 +320,15 @@ def scan_for_row(row: str, name: str, noise: Noise, seed: int) -> Measurement:
     if row == "rapid":
         return four_phases(scan)
     if row == "phasor":
-        close = {"kind": "close", "frequency_single": 7.16e9}
-        return close_pair(scan, kept_scan(name, noise, seed + 100, **close))
+        other = partial(kept_scan, kind="close", frequency_single=7.16e9)
+        return close_pair(scan, other(name, noise, seed + 100))
     return scan
 
 
-def validation_rates(trained: Weights) -> list[float]:
-    """Shares of right wraps on scans of the things that are held out."""
+def validation_rates(legs: int) -> list[float]:
+    """Shares of right wraps, after so many legs, on scans of the things that are held out."""
     scans = (scan for scan, *_ in examples(range(VALIDATED), 1))
-    every = wraps_off(scans, NETWORK, trained)
+    every = wraps_off(scans, NETWORK, partial(best_weights, legs))
     return [round(right / pixels, 4) for pixels, right, *_ in every]
 
 
@@ -350,8 +353,7 @@ def main() -> None:
     FOLDER.mkdir(parents=True, exist_ok=True)
     counts = Counts(RESULTS / "scanned.json")
     for legs in range(len(LEGS) + 1):
-        trained = partial(best_weights, legs)
-        counts.keep("validation", f"{legs} legs", of=partial(validation_rates, trained))
+        counts.keep("validation", f"{legs} legs", of=partial(validation_rates, legs))
     counts.store(
         command="python -m cmtof_book.scanned",
         version=__version__,

@@ -28,17 +28,18 @@ def figure_cell(output: Any, about: Fields, stem: str) -> Any:
     """
     paper = re.match(r"(fig|table)0*(\d+)_", about["name"])
     caption = pages.page("caption", about=about, stem=stem, paper=paper)
-    metadata = {
-        "tags": ["remove-input", *["hide-output"] * about["folded"]],
-        "mystnb": {
-            "figure": {
-                "caption": myst(caption),
-                "name": "fig-" + about["name"].replace("_", "-"),
-            },
-            "image": {"alt": about["alt"]},
-        },
+    figure = {
+        "caption": myst(caption),
+        "name": "fig-" + about["name"].replace("_", "-"),
     }
-    return new_code_cell("# continued", outputs=[output], metadata=metadata)
+    return new_code_cell(
+        "# continued",
+        outputs=[output],
+        metadata={
+            "tags": ["remove-input", *["hide-output"] * about["folded"]],
+            "mystnb": {"figure": figure, "image": {"alt": about["alt"]}},
+        },
+    )
 
 
 def place_shown(notebook: Any, stem: str) -> None:

@@ -47,8 +47,8 @@ class Dependency:
     """Something on which a number depends, and whether ours is the paper's."""
 
     name: str
-    same: bool | list[str]
     ours: str
+    same: tuple[str, ...] = ()  # the profiles in which it is
     short: str = ""
     decides: str = ""
 
@@ -121,7 +121,7 @@ class Score:
         """Whether our number was made with the paper's."""
         if one.name == "training":
             return self.crops >= CROPS
-        return one.same if isinstance(one.same, bool) else self.profile in one.same
+        return self.profile in one.same
 
     @property
     def differing(self) -> list[Dependency]:
