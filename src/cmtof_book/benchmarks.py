@@ -108,13 +108,15 @@ def store() -> None:
             with get_context("spawn").Pool(1) as pool:
                 found[name][protocol] = pool.apply(cost, (name, protocol))
             print(protocol, name, found[name], flush=True)
-    about = {
-        "command": "python -m cmtof_book.benchmarks --store",
-        "version": __version__,
-        "machine": f"one thread of {processor()}",
-        "methods": found,
-    }
-    write_json(RESULTS / "methods_cost.json", about)
+    write_json(
+        RESULTS / "methods_cost.json",
+        {
+            "command": "python -m cmtof_book.benchmarks --store",
+            "version": __version__,
+            "machine": f"one thread of {processor()}",
+            "methods": found,
+        },
+    )
 
 
 if __name__ == "__main__":

@@ -109,8 +109,14 @@ def _pictures(scene: Scene, label: str, place: str) -> Iterator[str]:
     errors = "errors", "magma", scene.error(label), (0, WORST)
     for kind, scale, values, (low, high) in (wraps, errors):
         colours = plt.get_cmap(scale).with_extremes(bad="0.6")
-        text = f"{kind.capitalize()} of {label}."
-        yield _image(values, f"{kind} {place}", text, cmap=colours, vmin=low, vmax=high)
+        yield _image(
+            values,
+            f"{kind} {place}",
+            f"{kind.capitalize()} of {label}.",
+            cmap=colours,
+            vmin=low,
+            vmax=high,
+        )
 
 
 def _image(values: NDArray, kind: str, text: str = "", **look: Any) -> str:

@@ -50,8 +50,8 @@ def path_of(module: str) -> Path:
 def files_of(module: str) -> set[Path]:
     """A module's file and the data beside it."""
     own = path_of(module)
-    beside = filter(Path.is_file, own.parent.rglob("*"))
-    return {own, *(one for one in beside if one.suffix not in SOURCE)}
+    beside = (one for one in own.parent.rglob("*") if one.suffix not in SOURCE)
+    return {own, *filter(Path.is_file, beside)}
 
 
 def closure(module: str) -> set[Path]:

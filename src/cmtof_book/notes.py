@@ -50,9 +50,8 @@ def table(
         "--:" if all(map(NUMBER.match, column)) else ":--"
         for column in zip(*texts, strict=True)
     ]
-    lines = [titles, [":--", *sides[1:]], *texts]
-    text = "\n".join(f"| {' | '.join(line)} |" for line in lines)
-    text = replaced(text, TYPESET)
+    lines = (" | ".join(line) for line in (titles, [":--", *sides[1:]], *texts))
+    text = replaced("\n".join(f"| {line} |" for line in lines), TYPESET)
     if fold:
         text = f"<details><summary>{fold}</summary>\n\n{text}\n\n</details>"
     display(Markdown(text))

@@ -41,7 +41,7 @@ def _numbers_of(name: str, held: Fields) -> Iterator[Published]:
     values = np.atleast_1d(held["value"]).tolist()
     for (column, title), value in zip(columns.items(), values, strict=True):
         scale = {"absolute": 1.0, "relative": abs(value)}
-        allowed = [scale[kind] * size for kind, size in held["tolerance"].items()]
+        allowed = (scale[kind] * size for kind, size in held["tolerance"].items())
         yield Published(
             **held
             | {

@@ -73,8 +73,9 @@ def image(
     ``label`` is quantity and unit, as in ``"depth (m)"``; ``limits`` are the values at the ends of
     the colour bar, by default those of the image.
     """
-    colours = mpl.colormaps[cmap].with_extremes(bad="#B0B0B0")
-    drawn = ax.imshow(values, cmap=colours, clim=limits)
+    drawn = ax.imshow(
+        values, cmap=mpl.colormaps[cmap].with_extremes(bad="#B0B0B0"), clim=limits
+    )
     ax.set_title(title)
     ax.set_axis_off()
     if bar:  # inside the panel's own frame it is exactly as high as the image, whatever its aspect

@@ -7,7 +7,6 @@ over ten seeds.
 
 from collections.abc import Iterator
 from importlib.util import find_spec
-from itertools import chain
 from pathlib import Path
 from typing import NamedTuple
 
@@ -27,8 +26,6 @@ from cmtof_book.compared import Compared
 SEED = 0
 # Columns of the figure: the paper's that need no training, and three that it leaves out.
 METHODS = ("phasor", "crt", "kde", "beat", "mrf", "surfaces")
-
-Named = Iterator[tuple[str, float]]  # numbers by their names in ``replication.yml``
 
 
 class Outcome(NamedTuple):
@@ -54,14 +51,18 @@ class Outcome(NamedTuple):
 def replicate(figure: Path) -> Iterator[Outcome]:
     """Every check in turn; then, if matplotlib is there, Fig. 10 is drawn to ``figure``."""
     stored = read_document(Path(__file__).with_name("replication.yml"))
-    for name, value in chain(_noise(), _methods()):
+    for name, value in _numbers():
         yield Outcome(stored[name]["what"], value, Compared(**stored[name]))
     if find_spec("matplotlib"):
         draw(figure)
 
 
-def _noise() -> Named:
-    """Phase noise of the simulation against its law, and what follows for one pixel's wrap."""
+def _numbers() -> Iterator[tuple[str, float]]:
+    """What this machine computes, by the names of ``replication.yml``.
+
+    Phase noise of the simulation against its law, what follows for one pixel's wrap, and the share
+    of right wraps of each method on the embedded frames.
+    """
     tones = np.geomspace(0.1e9, 10e9, 21)
     wall = Frame(np.full((1, 1000), 0.6), np.full((1, 1000), 0.5))
     noisy = simulate(wall, protocol="full", frequencies=tones, seed=SEED)
@@ -73,15 +74,12 @@ def _noise() -> Named:
     noise = simulated_phase_noise(1.0)
     yield "wrap_odds", wrap_probability(noise, noise, frequencies=FREQUENCIES)  # pyright: ignore[reportReturnType]
 
-
-def _methods() -> Named:
-    """Share of right wraps of each method on the embedded frames."""
     frames = [*map(load_frame, embedded_frames())]
     clean = Evaluation(["crt"], noise_free=True).add_all(frames).report()
     yield "crt_noise_free", clean["methods"]["crt"]["consistent_lt_1"]
     for method in METHODS:
-        noisy = Evaluation([method], seed=SEED).add_all(frames).report()
-        yield method, noisy["methods"][method]["delta_lt_1"]
+        scored = Evaluation([method], seed=SEED).add_all(frames).report()
+        yield method, scored["methods"][method]["delta_lt_1"]
 
 
 def draw(figure: Path) -> None:

@@ -126,8 +126,7 @@ def scan_target(
     noisy = TwinSettings(**noise_settings(noise))
     scan = scan_scene(noisy, target, size=size, **view)
     if not stray:
-        covered = scan_scene(noisy, CAP, size=COVERED, **view)
-        scan = scan.without_stray_light(covered)
+        scan = scan.without_stray_light(scan_scene(noisy, CAP, size=COVERED, **view))
     data = scan.dataset
     if noise != "photon":
         short = scan_scene(TwinSettings(), target, size=1, **view)

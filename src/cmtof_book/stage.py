@@ -26,8 +26,12 @@ def figure_cell(output: Any, about: Fields, stem: str) -> Any:
 
     The caption has its number in the paper, and a line on how to get at it.
     """
-    paper = re.match(r"(fig|table)0*(\d+)_", about["name"])
-    caption = pages.page("caption", about=about, stem=stem, paper=paper)
+    caption = pages.page(
+        "caption",
+        about=about,
+        stem=stem,
+        paper=re.match(r"(fig|table)0*(\d+)_", about["name"]),
+    )
     figure = {
         "caption": myst(caption),
         "name": "fig-" + about["name"].replace("_", "-"),

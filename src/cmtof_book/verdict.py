@@ -171,7 +171,7 @@ class Score:
     @property
     def deciding(self) -> str:
         """What would decide an open number."""
-        found = [one.decides.rstrip(".") for one in self.differing]
+        found = [one.decides for one in self.differing]
         if self.verdict != "open" or not found:
             return ""
         return f"It would be decided by: {'; '.join(found)}."

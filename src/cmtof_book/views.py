@@ -98,8 +98,9 @@ def _draw_still(layer: Layer, longest: float, eye: tuple) -> Array:
     import pyvista as pv
 
     pv.vtk_verbosity("off")  # complaints about a missing screen
-    faces = mesh_triangles(layer.points, longest=longest)
-    mesh = pv.PolyData.from_regular_faces(layer.points.reshape(-1, 3), faces)
+    mesh = pv.PolyData.from_regular_faces(
+        layer.points.reshape(-1, 3), mesh_triangles(layer.points, longest=longest)
+    )
     mesh["values"] = layer.values.ravel()
     mesh.clean(inplace=True)
     plotter = pv.Plotter(off_screen=True, lighting="three lights")
