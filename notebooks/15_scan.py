@@ -110,7 +110,7 @@ for mode in MODES:
     label = next(one for one in plan.lines if one[1:4] == (mode, "scan", row)).labels[
         column
     ]
-    raw[mode] = bench.bursts([label], [bench.mirror_outputs(plan.angles[row, column])])
+    raw[mode] = bench.bursts([label], bench.mirror_outputs(plan.angles[row, [column]]))
 bench.close_and_park()
 
 # %% tags=["hide-input"]

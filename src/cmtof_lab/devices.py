@@ -79,9 +79,11 @@ class SimulatedRf(SimulatedDevice):
         self.knobs.on = on
 
     def status(self) -> RfStatus:
+        on = self.knobs.on
         entry = (self.edges - 1) % max(len(self.knobs.table), 1)
-        locked = self.knobs.on and self.panel.clock_on
-        return RfStatus(self.knobs.on, locked, entry, self.edges, tripped=False)
+        return RfStatus(
+            on, on and self.panel.clock_on, entry, self.edges, tripped=False
+        )
 
     def lock(self) -> RfLock:
         settings = self.instrument.settings
@@ -202,24 +204,23 @@ class SimulatedReadOut(SimulatedDevice):
 
     def bursts(self, requests: Requests) -> Iterator[Counts]:
         panel = self.panel
-        angles = []
-        labels = []
-        travels = []
+        set_to = []
         for registers in requests:
             self.write_many(registers)
-            angles.append(mirror_angles(self.rig, panel.galvo_volts))
-            travels.append(panel.mirror_travel)
-            labels.append(int(registers["USER_RAM0_U32"]))
+            label = registers["USER_RAM0_U32"]
+            set_to.append([label, panel.mirror_travel, *panel.galvo_volts])
+        labels, travels, *volts = np.transpose(set_to)
+        labels = labels.astype(int)
         size = self._pulses.size
-        asked = self.instrument, panel, np.array(labels)
+        asked = self.instrument, panel, labels
         if self.quadratures:
             every = quadratures(*asked, size, self.rate)
         elif panel.beam_block_out:
-            every = fringes(*asked, np.array(travels), size, self.rate)
+            every = fringes(*asked, travels, size, self.rate)
         else:
             every = self.instrument.bursts(  # all at once
                 panel,
-                angles,
+                mirror_angles(self.rig, np.transpose(volts)),
                 labels=labels,
                 pulses=self._pulses,
                 rate=self.rate,

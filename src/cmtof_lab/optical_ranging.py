@@ -21,7 +21,7 @@ from cmtof.hardware.plan import BURST_INTERVAL
 from cmtof.hardware.ranging import range_errors, stepped_phases
 from cmtof.hardware.reduction import drive_phases, nominal_psi
 from cmtof.hardware.rig import MODES, PLATES, SAMPLE_RATE
-from cmtof.types import Array, Arrays, Counts, Pair
+from cmtof.types import Array, Arrays, Counts, Numbers, Pair
 from cmtof_lab.electronics import SLOPE, Chain, density, volts_per_watt
 from cmtof_lab.instrument import Panel, RfKnobs, SimulatedInstrument
 from cmtof_lab.optics import ambient, emission_mean
@@ -69,7 +69,7 @@ class OpticalRanger(PhaseRanger):
         return replace(self.settings, efficiency=efficiency, reference=target)
 
     def counts(
-        self, instrument: SimulatedInstrument, positions: Array, labels: ArrayLike
+        self, instrument: SimulatedInstrument, positions: Array, labels: Numbers
     ) -> Counts:
         """Raw counts (P, K x N) of bursts with labels (P,) at stage positions (P,), m."""
         return instrument.bursts(

@@ -59,19 +59,10 @@ def rig_of(path: str, **changes: Any) -> Rig:
 
 
 def open_bench(
-    path: str,
-    rig: Rig,
-    scene: Any = None,
-    settings: TwinSettings | None = None,
-    *,
-    seed: int = 0,
+    path: str, rig: Rig, *simulated: Any, **options: Any
 ) -> AbstractContextManager[Bench]:
-    """Bench of a RIG file's own devices, or for an empty path a simulated one before a scene."""
-    return (
-        connected_bench(rig)
-        if path
-        else simulated_bench(rig, scene, settings, seed=seed)
-    )
+    """Bench of a RIG file's own devices, or for an empty path that of `simulated_bench`."""
+    return connected_bench(rig) if path else simulated_bench(rig, *simulated, **options)
 
 
 def scan_scene(

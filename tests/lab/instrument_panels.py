@@ -21,8 +21,9 @@ def ready(mode, **knobs):
     return Panel(RfKnobs(**rf), detection, PLATE[mode], PLATE[mode], **on | knobs)
 
 
-def profile(instrument, panel, angles=((0.0, 0.0),), **options):
-    """Mean volts (N, 16) of a burst's phases behind the settling samples."""
-    options.setdefault("labels", np.arange(1, len(angles) + 1))
+def profile(instrument, panel, bursts=1, **options):
+    """Mean volts (N, 16) of the phases of bursts behind the settling samples."""
+    options.setdefault("labels", np.arange(bursts) + 1)
+    angles = np.zeros((bursts, 2))
     counts = instrument.bursts(panel, angles, pulses=EDGES, **options)
     return volts_from_counts(counts.reshape(-1, 16, 20)[..., 8:].mean(-1))

@@ -75,7 +75,7 @@ def test_drift_is_bounded_with_its_rms_and_follows_the_labels():
     drifting = replace(IDEAL, phase_drift=0.1)
     labels = np.array([1, 2000, 40000])
     instrument = SimulatedInstrument(drifting, Plane(0.6), seed=2)
-    seen = profile(instrument, ready("single"), np.zeros((3, 2)), labels=labels)
+    seen = profile(instrument, ready("single"), 3, labels=labels)
     times = BURST_INTERVAL * labels + EDGES.size / 24000 / 2
     lag = 0.1 / DRIFT_RMS * drift(2, 1, times)
     phases = [decode(one, PSI).phase for one in seen]
@@ -100,7 +100,7 @@ def test_disturbance_has_its_level_and_grain(mode):
     instrument = SimulatedInstrument(
         replace(IDEAL, **NOISE["captures"]), Plane(0.8), seed=1
     )
-    seen = decode(profile(instrument, ready(mode), np.zeros((2000, 2))).T, PSI).phase
+    seen = decode(profile(instrument, ready(mode), 2000).T, PSI).phase
     error = centred(seen - np.angle(np.exp(1j * seen).mean()))
     assert error.std() == approx(NOISE["captures"]["phase_noise"][0], rel=0.08)
     correlations = [np.corrcoef(error[:-lag], error[lag:])[0, 1] for lag in (1, 2)]

@@ -91,14 +91,14 @@ class Bench(EmergencyStop):
                 "Expected the interlock closed, got it open. Close doors and covers."
             )
 
-    def mirror_outputs(self, direction: Array) -> Values:
-        """Voltages of the mirrors, by output, that send the beam in a direction (2,), rad."""
-        volts = mirror_volts(self.rig, direction).tolist()
-        return dict(zip(self.rig.mirrors, volts, strict=True))
+    def mirror_outputs(self, directions: Array) -> list[Values]:
+        """Voltages of the mirrors, by output, that send the beam in each direction (N, 2), rad."""
+        volts = mirror_volts(self.rig, directions).tolist()
+        return [dict(zip(self.rig.mirrors, pair, strict=True)) for pair in volts]
 
     def fly_back(self, directions: Array) -> None:
         """Aim at the first of a line's directions (N, 2), rad, and wait for the mirrors."""
-        self.daq.write_many(self.mirror_outputs(directions[0]))
+        self.daq.write_many(self.mirror_outputs(directions)[0])
         step = np.abs(directions[0] - self._aim).max()
         self.wait(mirror_settling(self.rig, step))
         self._aim = directions[-1]
@@ -285,7 +285,7 @@ class Bench(EmergencyStop):
             if line.kind == "scan":
                 aims = plan.angles[line.row]
                 self.fly_back(aims)
-                outputs = map(self.mirror_outputs, aims)
+                outputs = self.mirror_outputs(aims)
             counts = self.bursts(line.labels, outputs)
         except (BadReply, InstrumentTimeout):
             if attempts == 1:

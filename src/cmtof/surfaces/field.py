@@ -78,7 +78,7 @@ def field_from_measurement(measurement: Measurement) -> Field:
         lens = (focal, focal, width / 2, height / 2)
     u = (np.arange(columns) + 0.5 - lens[2]) / lens[0]
     v = (np.arange(rows) + 0.5 - lens[3]) / lens[1]
-    wavenumber = 2 * TAU * measurement.frequencies[:2] / SPEED_OF_LIGHT
+    wavenumber = 2 * TAU * measurement.frequencies / SPEED_OF_LIGHT
     phasor, information = _weighted_phasors(measurement)
     return Field(
         np.pad(phasor, padding),
@@ -104,7 +104,7 @@ def _weighted_phasors(measurement: Measurement) -> tuple[Complex, Array]:
     # P = a p / s^2 with the smoothed a / s and this pixel's own p / s
     left = 1 / (1 + information * hidden_noise(measurement, spread) ** 2)
     size = np.sqrt(information) * ratio * left
-    phasor = size * np.exp(1j * measurement.phase[:2])
+    phasor = size * np.exp(1j * measurement.phase)
     return phasor.astype(np.complex64), (information * left).astype(np.float32)
 
 

@@ -106,7 +106,7 @@ def stages(
     ``prior`` returns log-odds of offsets (N, M), wraps, from the depth (H, W), m, and the surface
     (H, W) of pixels before any offset.
     """
-    synthetic_frequency(*measurement.frequencies[:2])  # refuses multiples
+    synthetic_frequency(*measurement.frequencies)  # refuses multiples
     field = field_from_measurement(measurement)
     if measurement.camera is None:
         without = {"shape", *without}
