@@ -11,7 +11,7 @@ mkdir -p "$work"/results "$work"/ipython/profile_default
 cp configs/ipython_kernel_config.json "$work"/ipython/profile_default
 export CMTOF_OUTPUT=$work/results IPYTHONDIR=$work/ipython PYTHONHASHSEED=0
 export JUPYTER_PATH="" JUPYTER_PREFER_ENV_PATH=1 PYDEVD_DISABLE_FILE_VALIDATION=1
-export CI=1 # nobody waits, so no progress bars
+export CI=1 # nobody waits: no progress bars, no word on compiling
 export OMP_NUM_THREADS=${OMP_NUM_THREADS:-1} OPENBLAS_NUM_THREADS=${OPENBLAS_NUM_THREADS:-1}
 export NUMBA_NUM_THREADS=${NUMBA_NUM_THREADS:-1}
 .venv/bin/python -m cmtof_book.execute "$script" "$parameters" "$work/${result##*/}" \

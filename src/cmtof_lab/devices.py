@@ -204,12 +204,12 @@ class SimulatedReadOut(SimulatedDevice):
 
     def bursts(self, requests: Requests) -> Iterator[Counts]:
         panel = self.panel
-        set_to = []
+        states = []
         for registers in requests:
             self.write_many(registers)
             label = registers["USER_RAM0_U32"]
-            set_to.append([label, panel.mirror_travel, *panel.galvo_volts])
-        labels, travels, *volts = np.transpose(set_to)
+            states.append([label, panel.mirror_travel, *panel.galvo_volts])
+        labels, travels, *volts = np.transpose(states)
         labels = labels.astype(int)
         size = self._pulses.size
         asked = self.instrument, panel, labels

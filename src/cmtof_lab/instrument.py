@@ -73,9 +73,8 @@ def keyed_generator(seed: int, purpose: int, key: int) -> Generator:
 def normals_by_key(seed: int, purpose: int, keys: Numbers, count: int) -> Array:
     """Standard normals (N, count), a row for each key, as `keyed_generator` draws them."""
     rng = keyed_generator(seed, purpose, 0)
-    state = (
-        rng.bit_generator.state
-    )  # to set it takes an eighth of the time of a new generator
+    # to set a state takes an eighth of the time of a new generator
+    state = rng.bit_generator.state
     rows = []
     for key in keys.tolist():
         state["state"]["counter"][1] = key & WORD

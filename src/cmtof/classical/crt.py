@@ -62,7 +62,7 @@ def crt_closed_form(measurement: Measurement) -> Estimate:
     wraps = q * pow(k2, -1, k1) % k1
     noise = depth_from_phase(phase_noise(measurement), frequencies[:, None, None])
     odds = _rounding_odds(second - first - q * unit, unit, noise)
-    alike = np.ptp(wraps_in_range(measurement)) // k1 + 1  # wraps in range, at most
+    alike = np.ptp(wraps_in_range(measurement)) // k1 + 1  # wraps with this remainder
     return Estimate(depth_from_wraps(measurement.phase[0], wraps, low), odds / alike)
 
 

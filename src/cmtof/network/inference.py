@@ -37,8 +37,8 @@ from cmtof.network.weights import (
     Card,
     WeightsRefused,
     find_weights,
-    fitting,
     read_weights,
+    reading_weights,
 )
 from cmtof.simulation import QUADRATURES
 from cmtof.types import Array, Arrays, Shape, Single, Texts
@@ -78,7 +78,7 @@ def load_network(path: Path) -> LoadedNetwork:
     ready = LoadedNetwork(
         f"{card.model}.{card.protocol} {card.sha256} {os.getpid()}", card, arrays
     )
-    with fitting(path, card):
+    with reading_weights(path, card):
         metadata_of(ready)
     return ready
 

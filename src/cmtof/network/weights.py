@@ -144,7 +144,7 @@ def read_weights(path: Path) -> tuple[dict[str, NDArray], Card]:
     content = check_input(path, "weights, *.safetensors").read_bytes()
     card = read_card(path)
     found = hashlib.sha256(content).hexdigest()
-    with fitting(path, card):
+    with reading_weights(path, card):
         if (card.first_wrap, card.classes) != CLASSES[card.protocol]:
             raise WeightsRefused(f"no such model with {card.classes} classes")
         if found != card.sha256:
@@ -157,7 +157,7 @@ def read_weights(path: Path) -> tuple[dict[str, NDArray], Card]:
     return arrays, card
 
 
-def fitting(path: Path, card: Card) -> AbstractContextManager[None]:
+def reading_weights(path: Path, card: Card) -> AbstractContextManager[None]:
     """Context of reading weights: any error in it becomes a ValueError that names them."""
     expected = f"finite weights of {card.model} that fit their card"
     return reading(expected, path, "Fetch or train them again.")
@@ -170,7 +170,7 @@ def load_weights(path: Path) -> Trained:
     from cmtof.network.models import MODELS, build_network
 
     arrays, card = read_weights(path)
-    with fitting(path, card):
+    with reading_weights(path, card):
         if card.model not in MODELS:
             raise WeightsRefused("no such model")
         network = build_network(card.model, card.protocol)

@@ -248,7 +248,7 @@ def _reassign_cells(field, owner, surfaces, information):  # pragma: no cover - 
             for a, b in neighbours(owner, y, x):
                 if owner[a, b] == n:
                     value += _NEIGHBOURLY
-            # without light all are as likely
+            # without light all are as likely: the first number wins
             if value > best or (value == best and n < at):
                 best = value
                 at = n
