@@ -34,6 +34,18 @@ def parameters_of(wildcards):
     return json.dumps(parameters, sort_keys=True)
 
 
+# chapters that take longest begin first, or one core would have to wait for them at the end
+LONG = (
+    "08_network",
+    "11_surfaces",
+    "21_scanned_scenes",
+    "10_methods",
+    "12_robustness",
+    "17_precision_sweep",
+    "20_mhz_camera",
+)
+
+
 wildcard_constraints:
     notebook="|".join(NOTEBOOKS),
 
@@ -63,6 +75,7 @@ rule notebook:
     params:
         parameters=parameters_of,
         work=f"{BUILD}/failed/{{notebook}}",
+    priority: lambda wildcards: wildcards.notebook in LONG
     shell:
         "tools/execute.sh notebooks/{wildcards.notebook}.py {params.parameters:q} {params.work:q}"
         " {output.executed} {output.results}"
