@@ -88,7 +88,7 @@ def block_sums(field, region, q, places):  # pragma: no cover - compiled
             depth[i] = depth_at(field, q, top + i // SIDE, left + i % SIDE)
         for f in range(2):
             for i in range(SIDE**2):
-                unit[i] = _unit(field.wavenumber[f] / TAU * depth[i])
+                unit[i] = unit_phasor(field.wavenumber[f] / TAU * depth[i])
             for i in range(SIDE**2):
                 y = top + i // SIDE
                 x = left + i % SIDE
@@ -99,7 +99,7 @@ def block_sums(field, region, q, places):  # pragma: no cover - compiled
 
 
 @inlined
-def _unit(turns):  # pragma: no cover - compiled
+def unit_phasor(turns):  # pragma: no cover - compiled
     """exp(-i x) of an angle in turns, to 2e-8: Taylor series on a quarter turn to each side."""
     whole = np.floor(2 * turns + 0.5)
     x = (turns - 0.5 * whole) * TAU
@@ -121,7 +121,9 @@ def pixel_likelihood(field, q, y, x):  # pragma: no cover - compiled
     z = depth_at(field, q, y, x)
     total = 0.0
     for f in range(2):
-        total += (field.phasor[f, y, x] * _unit(field.wavenumber[f] / TAU * z)).real
+        total += (
+            field.phasor[f, y, x] * unit_phasor(field.wavenumber[f] / TAU * z)
+        ).real
     return total
 
 

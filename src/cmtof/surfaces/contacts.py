@@ -120,8 +120,8 @@ def _jumps(
 
 def _departures(field: Field, label: Numbers, surfaces: Array, at: Numbers) -> Array:
     """Mean departure (2, C), wraps, of the pixels around each of those numbered ``at``."""
-    depth = np.nan_to_num(depth_of_labels(field, label, surfaces))
-    total = sums_near(at.ravel(), turn_back(field, depth, 1), label, _NEAR)
+    depth = depth_of_labels(field, label, surfaces)
+    total = sums_near(at.ravel(), turn_back(field, depth)[:1], label, _NEAR)
     return np.angle(total).reshape(at.shape) / TAU
 
 

@@ -61,10 +61,10 @@ def grown_surfaces(
     owner = np.full(shape, -1)
     surfaces = np.zeros((0, BENT + 1))
     for kind in WINDOWS:
-        start = windows(field, owner < 0, *kind)
-        grid = Grid(owner, np.zeros(shape, int), information)
-        added = _grow(field, grid, start, gain, roughest, len(surfaces))
-        surfaces = np.concatenate([surfaces, added])
+        for start in windows(field, owner, *kind):
+            grid = Grid(owner, np.zeros(shape, int), information)
+            added = _grow(field, grid, start, gain, roughest, len(surfaces))
+            surfaces = np.concatenate([surfaces, added])
     for turn in range(_ROUNDS):
         owner = _reassign_cells(field, owner, surfaces, information)
         if turn % 2:

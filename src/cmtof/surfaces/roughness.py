@@ -10,6 +10,9 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.ndimage import find_objects, gaussian_filter
 
+from cmtof.compiled import njit
+from cmtof.correlation import TAU
+from cmtof.surfaces.blocks import unit_phasor
 from cmtof.surfaces.field import CELL, Field, pixels_of_cells
 from cmtof.types import Array, Arrays, Flags, Numbers
 
@@ -44,7 +47,7 @@ def cells_of_surfaces(
     whole = pixels_of_cells(main, side)
     label = np.where(whole == inner, inner, -1)
     chosen = label >= 0
-    turned = np.where(chosen, turn_back(field, np.nan_to_num(depth)), 0)
+    turned = np.where(chosen, turn_back(field, depth), 0)
     weights = np.where(chosen, field.information, 0)
     information = sum_cells(weights.astype(float), side)
     sums = sum_cells(turned, side)
@@ -67,10 +70,15 @@ def _blocks(images: NDArray, side: int) -> NDArray:
     return images.reshape(*others, rows, side, columns, side)
 
 
-def turn_back(field: Field, depth: Array, count: int = 2) -> NDArray:
-    """Phasors (2, H, W), or the first ``count`` of them, turned back by a depth (H, W), m."""
-    wavenumber = field.wavenumber[:count, None, None]
-    return field.phasor[:count] * np.exp(-1j * wavenumber * depth)
+@njit()
+def turn_back(field, depth):  # pragma: no cover - compiled
+    """Phasors (2, H, W) turned back by a depth (H, W), m."""
+    out = np.empty(field.phasor.shape, np.complex128)
+    for f in range(2):
+        turns = field.wavenumber[f] / TAU
+        for y, x in np.ndindex(depth.shape):
+            out[f, y, x] = field.phasor[f, y, x] * unit_phasor(turns * depth[y, x])
+    return out
 
 
 def sum_cells(images: Array, side: int = CELL) -> Array:

@@ -14,7 +14,7 @@ from cmtof.correlation import TAU
 from cmtof.surfaces.beats import information_of_beats
 from cmtof.surfaces.field import Field
 from cmtof.surfaces.roughness import turn_back
-from cmtof.types import Array, Arrays, Flags, Numbers
+from cmtof.types import Array, Arrays, Complex, Flags, Numbers
 
 # information of a pixel's beat, 1 / wraps^2, from which on it may vote and be voted on: 4 wraps,
 CLEAR = 1 / 16
@@ -66,12 +66,12 @@ def depth_by_votes(
     known = information_of_beats(field, field.information)
     clear = known > CLEAR
     # pixels among those whose phases are not those of their surface vote again
-    close = np.abs(np.angle(turn_back(field, depth))).max(axis=0) < _ASTRAY
-    close = uniform_filter((explained & close).astype(float), _SQUARE)
+    close = explained & _is_close(turn_back(field, depth))
+    close = uniform_filter(close.astype(float), _SQUARE)
     explained = explained & (~clear | (close >= _MOST))
     asked = ~explained & clear
     step = abs(field.excess)  # of the misfit from wrap to wrap, turns
-    low, high = np.angle(field.phasor).astype(float) / TAU
+    low, high = _turns(field.phasor, asked)
     ballot = Ballot(
         asked,
         np.mod(low, 1),
@@ -84,6 +84,18 @@ def depth_by_votes(
         ballot, field.ratio, _FARTHEST * step, np.array(field.limits) / field.period
     )
     return np.where(share > 0, place * field.period, depth), share
+
+
+def _is_close(turned: Array) -> Flags:
+    """Whether both phases of pixels (2, H, W), turned back by a surface, are close to its own."""
+    return (np.abs(turned.imag) < np.tan(_ASTRAY) * turned.real).all(axis=0)
+
+
+def _turns(phasor: Complex, chosen: Flags) -> Array:
+    """Phases (2, H, W), turns, of chosen pixels."""
+    out = np.zeros(phasor.shape)
+    out[:, chosen] = np.angle(phasor[:, chosen])
+    return out / TAU
 
 
 @njit()

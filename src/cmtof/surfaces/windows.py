@@ -4,6 +4,8 @@ Within a window a plane's phases are ramps, so both spectra peak: at a slope nu,
 ``(k_2 / k_1) nu``. Slopes that differ by whole turns per pixel look alike but for the beat.
 """
 
+from collections.abc import Iterator
+
 import numpy as np
 from numpy.lib.stride_tricks import sliding_window_view
 from scipy.fft import fft, fftfreq, next_fast_len
@@ -24,6 +26,7 @@ WINDOWS = (
     (16, 8, 12, 4),
     (12, 4, 8, 5),
 )
+_AT_ONCE = 32  # windows whose spectra are taken together
 _LEAST = 150.0  # information E below which a window starts nothing: its noise would fit as well
 FREE = 0.7  # share of the cells of a window that must be without a surface
 _ALIASES = 2  # whole turns per pixel tried to each side
@@ -32,29 +35,38 @@ _CANDIDATES = 4  # slopes out of all aliases that are fitted
 
 
 def windows(
-    field: Field, free: Flags, side: int, stride: int, core: int, finer: int
-) -> tuple:
-    """Top, left, side (N,) of windows on free cells, the clearest first, and slopes, rad/px."""
+    field: Field, owner: Numbers, side: int, stride: int, core: int, finer: int
+) -> Iterator[tuple]:
+    """Top, left, side (N,) of windows on free cells, the clearest first, and slopes, rad/px.
+
+    They come some at a time, so that no spectrum is taken where the first ones grew.
+    """
+    corner = _clearest(field, owner, side, stride)
+    margin = (side - core) // 2
+    for start in range(0, len(corner[0]), _AT_ONCE):
+        some = corner[:, start : start + _AT_ONCE]
+        # rows in one piece, as Numba compiled for
+        some = some.compress(_are_free(owner, some, side), axis=1)
+        slopes = spectral_slopes(field, *(some + margin), core, finer)  # pyright: ignore[reportCallIssue]
+        yield *some, np.full_like(some[0], side), *slopes
+
+
+def _clearest(field: Field, owner: Numbers, side: int, stride: int) -> Numbers:
+    """Top and left (2, N) of windows with enough information, most of it first."""
     height, width = np.array(field.cosine.shape) - side + 1
     corner = np.mgrid[:height:stride, :width:stride].reshape(2, -1)
-    clearest = _clearest(field, free, corner, side)
-    corner = corner.take(clearest, axis=1)
-    margin = (side - core) // 2
-    slopes = spectral_slopes(field, *(corner + margin), core, finer)  # pyright: ignore[reportCallIssue]
-    sides = np.full_like(corner[0], side)
-    return *corner, sides, *slopes
-
-
-def _clearest(field: Field, free: Flags, corner: Numbers, side: int) -> Numbers:
-    """Numbers of the windows on free cells with enough information, most of it first."""
+    corner = corner[:, _are_free(owner, corner, side)]
     information = field.information.sum(axis=0, dtype=float)
     totals = _sums(information, corner, side)
-    cells = side // CELL
-    open_cells = _sums(free.astype(float), corner // CELL, cells)
-    least = FREE * cells**2
-    enough = (totals >= _LEAST) & (open_cells >= least)
     order = np.argsort(-totals, kind="stable")
-    return order[enough[order]]
+    return corner[:, order[totals[order] >= _LEAST]]
+
+
+def _are_free(owner: Numbers, corner: Numbers, side: int) -> Flags:
+    """Whether windows (N,), by their top and left (2, N), lie on cells without an owner."""
+    cells = side // CELL
+    free = _sums((owner < 0).astype(float), corner // CELL, cells)
+    return free >= FREE * cells**2
 
 
 def _sums(image: Array, corner: Numbers, side: int) -> Array:
@@ -73,15 +85,8 @@ def spectral_slopes(
     field: Field, top: Numbers, left: Numbers, side: int, finer: int
 ) -> Array:
     """Slopes (2, N) down and right, rad/px, at the joint peak of both spectra of each square."""
-    size = next_fast_len(finer * side)
-    slopes = np.empty((2, top.size))
     squares = sliding_window_view(field.phasor, (side, side), axis=(1, 2))
-    batch = max(1, 2**19 // size**2)  # spectra that stay in the cache  # pyright: ignore[reportOperatorIssue]
-    for start in range(0, top.size, batch):
-        some = slice(start, start + batch)
-        part = squares[:, top[some], left[some]]
-        slopes[:, some] = _peaks(part, size, field.ratio)  # pyright: ignore[reportArgumentType]
-    return slopes
+    return _peaks(squares[:, top, left], next_fast_len(finer * side), field.ratio)  # pyright: ignore[reportArgumentType]
 
 
 def _peaks(squares: Array, size: int, ratio: float) -> Array:
@@ -235,9 +240,9 @@ def _climb_outwards(field, q, window):  # pragma: no cover - compiled
         x = left + (side - core) // 2
         information = np.sum(field.information[0, y : y + core, x : x + core])
         if there or information > 100:
-            box = np.array([[y, y + core, x, x + core]])
+            region = region_of_boxes(np.array([[y, y + core, x, x + core]]))
             steps = 3 if there else 2
-            fit = climb(field, region_of_boxes(box), q, PLANE, steps)
+            fit = climb(field, region, q, PLANE, steps)
             if there or fit.likelihood < 0.4 * fit.most:
                 return fit, there
             q = fit.q
