@@ -21,6 +21,7 @@ results: str = "../book/results"  # folder of counts over all test frames
 
 # %% tags=["hide-input"]
 import json
+from itertools import cycle, product
 from pathlib import Path
 
 import matplotlib.pyplot as plt
@@ -283,23 +284,21 @@ VARIANTS = {
     "±10 mrad between frequencies": [],
     "±10 mrad, beats not corrected": ["closure"],
 }
-# rad, as in the paper's Table 3
-FOUR = [
-    (0.0, 0.01),
-    (0.0, -0.01),
-    (0.01, 0.0),
-    (-0.01, 0.0),
-]
-CHANGES = {"σ": [{"noise": 2000.0}], "±": [{"phase_offset": offset} for offset in FOUR]}
+CHANGES = {
+    "σ": cycle([{"noise": 2000.0}]),
+    # rad, those of the paper's Table 3 in turn
+    "±": cycle(
+        {"phase_offset": offset}
+        for offset in ((0.0, 0.01), (0.0, -0.01), (0.01, 0.0), (-0.01, 0.0))
+    ),
+}
 held = {protocol: [measure(one, protocol) for one in places] for protocol in PROTOCOLS}
 ablation = {protocol: {} for protocol in PROTOCOLS}
 answers = {protocol: [] for protocol in PROTOCOLS}
-for protocol, label in ((p, v) for p in PROTOCOLS for v in VARIANTS):
+for protocol, label in product(PROTOCOLS, VARIANTS):
     scored = []
-    changed = CHANGES.get(label[0], [])
-    for _, m in [measure(p, protocol, **c) for c in changed for p in places] or held[
-        protocol
-    ]:
+    changed = zip(places, CHANGES.get(label[0], []), strict=False)
+    for _, m in [measure(p, protocol, **c) for p, c in changed] or held[protocol]:
         seen = (
             m
             if label != "camera unknown"
