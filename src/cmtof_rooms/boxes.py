@@ -124,31 +124,18 @@ class Box(NamedTuple):
         >>> Box.standing((2.0, 1.0, 3.0)).inset(x0=0.5, z1=1.0).size.tolist()
         [1.5, 1.0, 2.0]
         """
+        inwards = {
+            name: margin if name.endswith("0") else -margin
+            for name, margin in margins.items()
+        }
         return self._replace(
-            **{name: self._inside(name, margin) for name, margin in margins.items()}
+            **{name: getattr(self, name) + way for name, way in inwards.items()}
         )
-
-    def layer(self, side: str, thickness: float) -> "Box":
-        """Layer of a thickness, m, at one side: the one of limit ``x0``, ``x1``, ``y0``, ...
-
-        >>> Box.standing((2.0, 1.0, 3.0)).layer("z1", 0.5)
-        Box(x0=-1.0, x1=1.0, y0=-0.5, y1=0.5, z0=2.5, z1=3.0)
-        """
-        opposite = side.translate({ord("0"): "1", ord("1"): "0"})
-        return self._replace(**{opposite: self._inside(side, thickness)})
-
-    def _inside(self, side: str, distance: float) -> Limit:
-        """Place at a distance, m, inside one limit."""
-        limit = getattr(self, side)
-        return limit + distance if side.endswith("0") else limit - distance
 
     def ends(self, axis: str, thickness: float) -> "Box":
         """Two boxes of a thickness, m, at both ends along an axis ``x``, ``y`` or ``z``."""
         start = np.array(
-            [
-                getattr(self, axis + "0"),
-                self._inside(axis + "1", thickness),
-            ]
+            [getattr(self, axis + "0"), getattr(self, axis + "1") - thickness]
         )
         return self._replace(**{axis + "0": start, axis + "1": start + thickness})
 

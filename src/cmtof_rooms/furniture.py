@@ -37,7 +37,7 @@ def table(
     """A top on four legs, two panels, or a pedestal; ``round_top`` is the share of round ones."""
     width, depth, height = space.size
     thickness = min(kit.between(0.02, 0.05), height / 4)
-    board = space.layer("z1", thickness)
+    board = space.cut(z0=height - thickness)
     wood = kit.material("wood")
     reach = 0.9  # of the place for things, as a share of the size
     if kit.chance(round_top):
@@ -121,8 +121,8 @@ def sofa(kit: Kit, space: Box, *, arms: bool = True) -> Piece:
     middle = (-back / 2, level - 0.05)
     yield _cushions(cover, (between, depth - back, 0.18), middle, 0.75)
     if back:
-        behind = space.inset(x0=arm, x1=arm).layer("y1", 0.08)
-        yield cover, behind.cut(z0=level - 0.12)
+        behind = space.inset(x0=arm, x1=arm)
+        yield cover, behind.cut(y0=space.y1 - 0.08, z0=level - 0.12)
         above = height - level
         middle = (space.y1 - back / 2 - 0.03, level + 0.45 * above)
         yield _cushions(cover, (between, back, above), middle, 0.7)
@@ -150,7 +150,7 @@ def bed(kit: Kit, space: Box) -> Piece:
     yield (
         "wood",
         space.cut(z0=0.1, z1=0.3),
-        space.layer("y1", 0.05),
+        space.cut(y0=space.y1 - 0.05),
         space.inset(x0=0.1, x1=0.1, y0=0.1).cut(z1=0.1),
     )
 
@@ -232,7 +232,7 @@ def shelf(kit: Kit, space: Box, *, fill: float = 0.5, bay: float = 0.9) -> Piece
     left = np.minimum(x, space.x1 - thickness)
     boards = space.inset(y0=0.005).cut(z0=z, z1=z + thickness)
     yield wood, space.cut(x0=left, x1=left + thickness), boards
-    yield wood, space.layer("y1", 0.01).cut(z0=0.05)
+    yield wood, space.cut(y0=space.y1 - 0.01, z0=0.05)
     bays = space.inset(y0=0.02).cut(x0=x[:-1, None] + thickness, x1=x[1:, None])
     yield from _fill(kit, bays.cut(z0=z[:-1] + thickness, z1=z[1:]), fill)
     yield Top(space.floor, height, 0.5)
