@@ -2,8 +2,8 @@
 
 import numpy as np
 
-from cmtof.types import Fields, Pair
-from cmtof_rooms.boxes import Box, Rectangle, Rectangles
+from cmtof.types import Fields
+from cmtof_rooms.boxes import Box, Rectangle
 from cmtof_rooms.kit import Kit
 from cmtof_rooms.openings import (
     SKY,
@@ -28,25 +28,24 @@ def build_shell(kit: Kit, room: Fields) -> Shell:
     """
     width, depth, height = kit.each(room["size"])
     is_open = room.get("open", False)
-    day = is_open or kit.chance(0.75)
-    notch = (0.0, 0.0) if is_open else _notch(kit, width, depth)
-    walls = _walls(width, depth, notch)
     shell = Shell(
         width,
         depth,
         height,
-        walls,
-        _floor(width, depth, notch),
+        _walls(width, depth),
+        [Rectangle(0.0, width, 0.0, depth)],
         is_open,
-        day,
+        is_open or kit.chance(0.75),
     )
+    if not is_open and min(width, depth) >= 3.6 and kit.chance(0.25):
+        _cut_corner(kit, shell)
     _add_openings(kit, shell)
     paint = kit.material("wall")
-    for wall in walls[:4]:
+    for wall in shell.walls[:4]:
         shell.build("wall", wall.place, (paint, wall.solid(height)))
     _add_levels(kit, shell)
-    if notch[0]:
-        block = shell.reach(0.0, height).cut(x0=width - notch[0], y0=depth - notch[1])
+    for face in shell.walls[4:5]:
+        block = shell.reach(0.0, height).cut(x0=face.place.x, y0=face.place.y)
         shell.build("wall", ROOM, (paint, block))
     if kit.chance(room.get("slope", 0.0)):
         _add_slopes(kit, shell)
@@ -57,37 +56,34 @@ def build_shell(kit: Kit, room: Fields) -> Shell:
     return shell
 
 
-def _notch(kit: Kit, width: float, depth: float) -> Pair:
-    """Draw the size of a block that is cut off in one corner, 0 in most rooms."""
-    if min(width, depth) < 3.6 or not kit.chance(0.25):
-        return 0.0, 0.0
-    share_x, share_y = kit.draw("notch")
-    return share_x * width, share_y * depth
-
-
-def _floor(width: float, depth: float, notch: Pair) -> Rectangles:
-    """Rectangles that cover the floor: one, or two where a corner is cut off."""
-    a, b = notch
-    whole = Rectangle(0.0, width - a, 0.0, depth)
-    return [Rectangle(0.0, width, 0.0, depth - b), whole] if a else [whole]
-
-
-def _walls(width: float, depth: float, notch: Pair) -> list[Wall]:
-    """Four outer walls and, of an L, the two faces of the block in its corner."""
-    a, b = notch
+def _walls(width: float, depth: float) -> list[Wall]:
+    """Four outer walls."""
     quarter = np.pi / 2
-    walls = [
+    return [
         Wall(Place(width, 0.0, 2 * quarter), width),
         Wall(Place(width, depth, -quarter), depth),
         Wall(Place(0.0, depth), width),
         Wall(Place(0.0, 0.0, quarter), depth),
     ]
-    if a:  # the outer walls behind the block stay, but nothing stands there
-        walls[1].taken.append(Rectangle(0.0, b, 0.0, 99.0))
-        walls[2].taken.append(Rectangle(width - a, width, 0.0, 99.0))
-        walls.append(Wall(Place(width - a, depth - b), a))
-        walls.append(Wall(Place(width - a, depth, -quarter), b))
-    return walls
+
+
+def _cut_corner(kit: Kit, shell: Shell) -> None:
+    """Cut a block off in one corner, with two faces and a floor of two rectangles."""
+    width = shell.width
+    depth = shell.depth
+    share_x, share_y = kit.draw("notch")
+    a = share_x * width
+    b = share_y * depth
+    x = width - a
+    y = depth - b
+    # the outer walls behind the block stay, but nothing stands there
+    shell.walls[1].taken.append(Rectangle(0.0, b, 0.0, 99.0))
+    shell.walls[2].taken.append(Rectangle(x, width, 0.0, 99.0))
+    shell.walls += [
+        Wall(Place(x, y), a),
+        Wall(Place(x, depth, -np.pi / 2), b),
+    ]
+    shell.floor = [Rectangle(0.0, width, 0.0, y), Rectangle(0.0, x, 0.0, depth)]
 
 
 def _add_openings(kit: Kit, shell: Shell) -> None:
