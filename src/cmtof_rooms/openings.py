@@ -3,7 +3,7 @@
 import numpy as np
 from trimesh import Trimesh
 
-from cmtof_rooms.boxes import Box, Rectangle, Rectangles
+from cmtof_rooms.boxes import Box, Rectangle, Rectangles, Vector
 from cmtof_rooms.kit import Kit
 from cmtof_rooms.materials import Colour, Material
 from cmtof_rooms.presets import presets
@@ -16,11 +16,9 @@ SKY: Colour = (0.95, 1.0, 1.06)  # colour of daylight
 
 def add_door(kit: Kit, shell: Shell, wall: Wall) -> None:
     """Add a door in its frame, shut, where the wall has room for it."""
-    hole = wall.gap(kit, *kit.draw("door"))
+    hole = _doorway(kit, shell, wall, kit.draw("door"), side=0.08, above=0.1)
     if hole is None:
         return
-    wall.cut(hole, side=0.08, above=0.1)
-    shell.keep.append(wall.footprint(hole, -0.9, 0.0))
     x, end, _, height = hole
     front = kit.material("front")
     leaf = Box(x, end, 0.06, 0.1, 0.0, height)
@@ -43,11 +41,9 @@ def add_passage(kit: Kit, shell: Shell, wall: Wall) -> None:
     """Add an open passage to a room beyond, where the wall has room for it."""
     width, height = kit.draw("passage")
     height = min(height, shell.height - 0.15)
-    hole = wall.gap(kit, min(width, 0.6 * wall.length), height)
+    hole = _doorway(kit, shell, wall, (min(width, 0.6 * wall.length), height))
     if hole is None:
         return
-    wall.cut(hole)
-    shell.keep.append(wall.footprint(hole, -0.9, 0.0))
     left, right, depth = kit.draw("room_beyond")
     far = THICKNESS + depth
     ceiling = max(height + 0.1, min(shell.height, 3.0))
@@ -58,6 +54,24 @@ def add_passage(kit: Kit, shell: Shell, wall: Wall) -> None:
     middle = (space.x0 + length / 2, (THICKNESS + far) / 2, ceiling - 0.03)
     power = min(0.25 * length * depth, 2.0)
     shell.lights.append(level_light(wall.place.carry(middle), 0.4, 0.4, power))
+
+
+def _doorway(
+    kit: Kit, shell: Shell, wall: Wall, size: Vector, **around: float
+) -> Rectangle | None:
+    """Cut a free piece of a size, m, out for a door or a passage; None after some tries.
+
+    The floor before it stays free.
+    """
+    width, height = size
+    for _ in range(12 if wall.length >= width + 0.3 else 0):
+        x = kit.between(0.15, wall.length - width - 0.15)
+        hole = Rectangle(x, x + width, 0.0, height)
+        if wall.free(hole.grow(0.1, 0.1, 0.0, 9.0)):
+            wall.cut(hole, **around)
+            shell.keep.append(wall.footprint(hole, -0.9, 0.0))
+            return hole
+    return None
 
 
 def _add_room_beyond(kit: Kit, shell: Shell, wall: Wall, space: Box) -> None:

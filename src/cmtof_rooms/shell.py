@@ -10,7 +10,6 @@ import numpy as np
 from trimesh import Trimesh
 
 from cmtof_rooms.boxes import Box, Rectangle, Rectangles, Triple
-from cmtof_rooms.kit import Kit
 from cmtof_rooms.solids import move, plate
 from cmtof_rooms.things import Light, Place, Thing
 
@@ -36,15 +35,6 @@ class Wall:
     def free(self, piece: Rectangle) -> bool:
         """Whether nothing is in or before a piece of it."""
         return not piece.meets(self.taken, gap=0.0)
-
-    def gap(self, kit: Kit, width: float, height: float) -> Rectangle | None:
-        """Draw a free piece, m, for a door or a passage; None after some tries."""
-        for _ in range(12 if self.length >= width + 0.3 else 0):
-            x = kit.between(0.15, self.length - width - 0.15)
-            piece = Rectangle(x, x + width, 0.0, height)
-            if self.free(piece.grow(0.1, 0.1, 0.0, 9.0)):
-                return piece
-        return None
 
     def cut(self, hole: Rectangle, side: float = 0.05, above: float = 0.05) -> None:
         """Cut a hole; at its sides and above it nothing else fits, m."""
@@ -107,11 +97,12 @@ class Shell:
 
     def headroom(self, area: Rectangle) -> float:
         """Free height above a rectangle of the floor, m."""
-        lost = [0.0]
-        for way, start, fall in self.eaves:
-            edge = area.y1 if way > 0 else area.y0
-            lost.append(fall * way * (edge - start))
-        return self.height - self.lowest - max(lost)
+        lost = [
+            fall * way * (y - start)
+            for way, start, fall in self.eaves
+            for y in area[2:]
+        ]
+        return self.height - self.lowest - max([0.0, *lost])
 
     def reach(self, z0: float, z1: float) -> Box:
         """Box over the room and its walls between two heights, m."""
