@@ -63,8 +63,7 @@ class Furnishing(Vacancy):
         tops = self._stand(name, size, place)
         for other, limits in kind.get("around", {}).items():
             self._seat(other, self.kit.count(limits), place, size)
-        if tops:
-            self._decorate(tops, kind.get("upon", {}), place)
+        self._decorate(tops, kind.get("upon", {}), place)
 
     def _size(self, name: str) -> Extents:
         """Draw a size of a kind, m, that fits under the ceiling."""
@@ -85,14 +84,13 @@ class Furnishing(Vacancy):
                 middle = place.carry(made.centre)
                 self.lights.append(made._replace(centre=middle, colour=WARM))
             else:
-                part = self.kit.part(*made)
-                parts += place.parts(part.material, part.mesh)
+                parts += place.parts(*self.kit.part(*made))
         self.things.append(Thing(name, parts))
         return tops
 
     def _seat(self, name: str, count: int, place: Place, size: Extents) -> None:
         """Stand seats along the two long sides of a table, or at the front of a desk."""
-        sides = 1 if count == 1 else 2
+        sides = min(count, 2)
         columns = -(-count // sides)
         for k in range(count):
             seat = self._size(name)
@@ -105,8 +103,7 @@ class Furnishing(Vacancy):
             spot = spot.at(0.0, 0.0, turn=self.kit.between(-0.1, 0.1))
             area = Rectangle.about(spot[:2], turned_size(seat, spot.turn))
             # a seat may stand where its table keeps the floor clear
-            if self.fits(area, seat[2], area, self.shell.keep):
-                self.taken.append(area)
+            if self.take(area, seat[2], area, self.shell.keep):
                 self._stand(name, seat, spot)
 
     def _decorate(self, tops: list[Top], counts: Values, place: Place) -> None:
@@ -114,10 +111,9 @@ class Furnishing(Vacancy):
         surfaces = [(top, []) for top in tops]
         for name, mean in counts.items():
             for _ in range(self._times(mean)):
-                top, used = self.kit.pick(surfaces)
-                self._stand_upon(name, top, used, place)
+                self._stand_upon(name, place, *self.kit.pick(surfaces))
 
-    def _stand_upon(self, name: str, top: Top, used: Rectangles, place: Place) -> None:
+    def _stand_upon(self, name: str, place: Place, top: Top, used: Rectangles) -> None:
         """Make a thing and stand it on a top beside what stands there, if it fits."""
         for _ in range(4):
             size = self._size(name)
@@ -128,7 +124,7 @@ class Furnishing(Vacancy):
             area = Rectangle.about(middle, size[:2])
             if not area.meets(used):
                 used.append(area)
-                self._stand(name, size, place.at(middle[0], middle[1], top.z))
+                self._stand(name, size, place.at(*middle, z=top.z))
                 return
 
 

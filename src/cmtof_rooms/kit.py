@@ -58,7 +58,7 @@ class Kit:
         if isinstance(material, str):
             material = self.material(material)
         meshes = [slab(*one) if isinstance(one, Box) else one for one in solids]
-        return Part(join(meshes), material)
+        return Part(material, join(meshes))
 
     def pick(self, items: Sequence) -> Any:
         """Draw one of several items."""

@@ -9,14 +9,14 @@ from trimesh import Trimesh
 from cmtof.types import Array
 from cmtof_rooms.boxes import Box, Vector
 from cmtof_rooms.materials import Colour, Material
-from cmtof_rooms.solids import join, move, slab, turn_about_z
+from cmtof_rooms.solids import join, mesh_from, slab, turn_about_z
 
 
 class Part(NamedTuple):
     """A solid of one material."""
 
-    mesh: Trimesh
     material: Material
+    mesh: Trimesh
 
 
 class Thing(NamedTuple):
@@ -57,8 +57,10 @@ class Place(NamedTuple):
                 meshes += [slab(*single) for single in solid.singles()]
             else:
                 meshes.append(solid)
-        origin = (self.x, self.y, self.z)
-        return [Part(move(mesh, origin, self.turn), material) for mesh in meshes]
+        return [
+            Part(material, mesh_from(self.carry(mesh.vertices), mesh.faces))
+            for mesh in meshes
+        ]
 
 
 ROOM = Place(0.0, 0.0)  # the room's own frame

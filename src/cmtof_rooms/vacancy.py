@@ -63,37 +63,36 @@ class Vacancy:
                 return place
         return None
 
-    def fits(
+    def take(
         self,
         area: Rectangle,
         height: float,
-        before: Rectangle,
+        around: Rectangle,
         clear: Rectangles,
     ) -> bool:
-        """Whether an area of the floor and its height are free, and nothing stands ``before`` it.
+        """Take an area of the floor if it and its height are free; tell whether they are.
 
         Parameters
         ----------
         area : Rectangle
         height : float
             m.
-        before : Rectangle
-            Floor that must be free of other things.
+        around : Rectangle
+            The area and what before it or about it must be free of other things.
         clear : list of Rectangle
             Floor that must not be stood upon.
         """
-        return (
+        free = (
             any(floor.contains(area) for floor in self.shell.floor)
             and height <= self.shell.headroom(area)
-            and not area.meets(self.taken + clear)
-            and not before.meets(self.taken)
+            and not area.meets(clear)
+            and not around.meets(self.taken)
         )
-
-    def _take(self, area: Rectangle, height: float) -> None:
-        """Mark an area of the floor as taken."""
-        self.taken.append(area)
-        if height > 1.8:
-            self.tall.append(area)
+        if free:
+            self.taken.append(area)
+            if height > 1.8:
+                self.tall.append(area)
+        return free
 
     def _at_wall(self, kind: Kind, size: Extents, foot: float) -> Place | None:
         """Try a place before a wall, in a corner, or on a wall with its foot at a height."""
@@ -117,24 +116,19 @@ class Vacancy:
         self, kind: Kind, size: Extents, wall: Wall, spot: Rectangle
     ) -> Place | None:
         """Try to take a spot of a wall and the floor before it."""
-        width, depth, height = size
+        width, depth, _ = size
         gap = 0.002 if kind["at"] == "hung" else 0.03
         front = -depth - gap
         reach = kind.get("clear", 0.0)
         area = wall.footprint(spot, front, -gap)
-        if spot.y0 > 0 and spot.y1 > self.shell.headroom(area):
-            return None
         if spot.y0 < 0.5:  # what hangs higher leaves the floor free
-            if not self.fits(
-                area,
-                height,
-                wall.footprint(spot, front - reach, -gap),
-                self.clear,
-            ):
+            before = wall.footprint(spot, front - reach, -gap)
+            if not self.take(area, spot.y1, before, self.clear):
                 return None
-            self._take(area, height)
             if reach:
                 self.clear.append(wall.footprint(spot, front - reach, front))
+        elif spot.y1 > self.shell.headroom(area):
+            return None
         wall.taken.append(spot.grow(0.03, 0.03, 0.03, 0.05))
         return wall.place.at(spot.x0 + width / 2, -depth / 2 - gap, spot.y0)
 
@@ -154,13 +148,10 @@ class Vacancy:
         area = Rectangle.about(middle, covered)
         around = area.grow(margin, margin, margin, margin)
         if flat:
-            if area.meets(self.shell.keep):
-                return None
-        elif self.fits(area, size[2], around, self.clear):
-            self._take(area, size[2])
+            free = not area.meets(self.shell.keep)
         else:
-            return None
-        return Place(middle[0], middle[1], turn)
+            free = self.take(area, size[2], around, self.clear)
+        return Place(*middle, turn=turn) if free else None
 
     def _under_ceiling(self, size: Extents) -> Place | None:
         """Try a place under the ceiling, away from other lamps and tall things."""

@@ -20,7 +20,7 @@ INSIDE = ((-1, -1, 0.1), (1, 1, 1.9))
 def floor(albedo=0.5, z=-0.5, **more):
     """A large plate; its middle lies at a height, m."""
     plate = slab(-10, 10, -10, 10, z - 0.5, z + 0.5)
-    return Thing("floor", [Part(plate, Material((albedo,) * 3, **more))])
+    return Thing("floor", [Part(Material((albedo,) * 3, **more), plate)])
 
 
 def point_light(power):
@@ -57,7 +57,7 @@ def test_light_falls_with_the_distance_by_its_closed_form(light, exponent, rtol)
 
 
 def test_shadows_are_where_the_light_is_hidden():
-    above = Thing("ball", [Part(move(ball(0.3), (0, 0, 1)), Material())])
+    above = Thing("ball", [Part(Material(), move(ball(0.3), (0, 0, 1)))])
     interior = Interior([floor(), above], [point_light(1.0)], INSIDE)
     edge = 2 * np.tan(np.arcsin(0.3))
     beside = places([0.0, edge - 0.03, edge + 0.03])
