@@ -93,7 +93,7 @@ def _grid_axes(low: Array, high: Array) -> list[Array]:
     size = high - low
     step = max(0.7, size.max() / 14)
     counts = np.clip(np.round(size / step).astype(int) + 1, 2, 15)
-    return [np.linspace(*limits) for limits in zip(low, high, counts, strict=True)]
+    return [*map(np.linspace, low, high, counts)]
 
 
 def _fill_solids(light: Array, inside: Flags) -> Array:

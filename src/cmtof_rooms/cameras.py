@@ -79,9 +79,10 @@ def choose_cameras(
     count: int,
     interior: Interior,
     lens: Lens,
+    rng: Generator,
     *,
-    wanted: Callable[[], float],
-    draw: Callable[[], Camera],
+    wanted: Callable[[Generator], float],
+    draw: Callable[[Generator], Camera],
 ) -> Cameras:
     """Views of a room, each the best of those that are drawn for it.
 
@@ -94,6 +95,7 @@ def choose_cameras(
         How many views.
     interior : Interior
     lens : Lens
+    rng : Generator
     wanted : callable
         Draws the median range of a view, m.
     draw : callable
@@ -102,8 +104,8 @@ def choose_cameras(
     coarse = Lens((_PROBE, _PROBE), lens.focal * _PROBE / max(lens.shape))
     views = []
     for _ in range(count):
-        middle = wanted()
-        drawn = [draw() for _ in range(TRIES)]
+        middle = wanted(rng)
+        drawn = [draw(rng) for _ in range(TRIES)]
         flaws = [
             _flaws(one, middle, interior, coarse) + 0.8 * _likeness(one, views)
             for one in drawn

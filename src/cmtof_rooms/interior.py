@@ -19,9 +19,9 @@ from cmtof_rooms.things import Light, Thing
 
 # Rows of an image, and those two before, one before and one after them.
 _NEIGHBOURS = [
-    (np.s_[2:], np.s_[:-2]),
-    (np.s_[1:], np.s_[:-1]),
-    (np.s_[:-1], np.s_[1:]),
+    (slice(2, None), slice(-2)),
+    (slice(1, None), slice(-1)),
+    (slice(-1), slice(1, None)),
 ]
 
 
@@ -62,7 +62,7 @@ class Interior:
     ----------
     vertices : ndarray of float32, shape (V, 3)
         m.
-    faces : ndarray of int32, shape (F, 3)
+    faces : ndarray of int, shape (F, 3)
     normals : ndarray, shape (F, 3)
         Unit vectors, outwards.
     part : ndarray of int, shape (F,)
@@ -85,7 +85,7 @@ class Interior:
         parts = [part for thing in things for part in thing.parts]
         whole = join(part.mesh for part in parts)
         self.vertices = np.asarray(whole.vertices, np.float32)
-        self.faces = np.asarray(whole.faces, np.int32)
+        self.faces = whole.faces
         self.part = _numbers([len(part.mesh.faces) for part in parts])
         self.instance = _numbers([len(thing.parts) for thing in things]) + 1
         self.palette = Palette([part.material for part in parts])

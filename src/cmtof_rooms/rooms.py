@@ -94,21 +94,21 @@ class FurnishedRoom:
         Together ``views``; the first ones stay the same when more are asked for.
         """
         close = close_views(self.index, views)
-        rng = stream(self.seed, self.index, ACROSS)
         across = choose_cameras(
             views - close,
             self.interior,
             lens,
-            wanted=partial(range_across, rng),
-            draw=partial(camera_across, self.floor, self.height, rng),
+            stream(self.seed, self.index, ACROSS),
+            wanted=range_across,
+            draw=partial(camera_across, self.floor, self.height),
         )
-        rng = stream(self.seed, self.index, CLOSE)
         near = choose_cameras(
             close,
             self.interior,
             lens,
-            wanted=partial(range_close, rng),
-            draw=partial(camera_close, middles_of(self.furniture), rng),
+            stream(self.seed, self.index, CLOSE),
+            wanted=range_close,
+            draw=partial(camera_close, middles_of(self.furniture)),
         )
         return {"cam_00": across, "cam_01": near}
 
