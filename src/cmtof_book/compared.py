@@ -10,6 +10,7 @@ a last digit: it is not compared, only bounded from below.
 (True, False, True)
 """
 
+from functools import partial
 from typing import Any, Literal
 
 import numpy as np
@@ -28,7 +29,7 @@ STANDARD_ERRORS = 5
 EDGE_PIXELS = 20  # pixels of an image that may change sides by rounding
 
 
-@dataclass(frozen=True, kw_only=True)
+@dataclass(frozen=True)
 class Compared:
     """A number, or a list of them, and what its kind needs to tell how far it may move.
 
@@ -64,26 +65,16 @@ class Compared:
         return np.allclose(found, self.value, rtol=0, atol=self.tolerance(error))
 
 
-def closed_form(value: ArrayLike) -> Compared:
-    """Number that follows from physics alone: equal everywhere but for rounding, 1e-9 of it."""
-    return Compared(value=value, kind="closed form")
+# follows from physics alone: equal everywhere but for rounding
+closed_form = partial(Compared, kind="closed form")
 
+# mean, spread or rate of random draws with its standard ``error``; five of them are allowed
+sum_over_draws = partial(Compared, kind="sum over draws")
 
-def sum_over_draws(value: ArrayLike, *, error: ArrayLike) -> Compared:
-    """Mean, spread or rate of random draws with its standard error; five of them are allowed."""
-    return Compared(value=value, kind="sum over draws", error=error)
+# fraction of so many ``pixels``; 20 of them may change sides, or five standard errors of the
+# scenes, for a share over several of them
+share_of_pixels = partial(Compared, kind="share of pixels")
 
-
-def share_of_pixels(
-    value: ArrayLike, *, pixels: ArrayLike, error: ArrayLike | None = None
-) -> Compared:
-    """Fraction of so many pixels; 20 of them may change sides, or five standard errors.
-
-    ``error`` is that of the scenes, for a share over several of them.
-    """
-    return Compared(value=value, kind="share of pixels", pixels=pixels, error=error)
-
-
-def decision(value: ArrayLike, *, at_least: ArrayLike) -> Compared:
-    """Result of a method that a last digit may turn on a whole surface; only bounded from below."""
-    return Compared(value=value, kind="decision", at_least=at_least)
+# result of a method that a last digit may turn on a whole surface; only bounded from below, by
+# ``at_least``
+decision = partial(Compared, kind="decision")
