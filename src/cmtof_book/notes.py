@@ -2,9 +2,10 @@
 
 import re
 from collections.abc import Iterable, Sequence
+from functools import partial
 from inspect import cleandoc
 
-from cmtof.types import Fields, Texts
+from cmtof.types import Texts
 from cmtof_book import record
 
 NUMBER = re.compile(r"\W*(\d|inf|nan|$)")
@@ -18,19 +19,15 @@ TYPESET = {
 }
 
 
-def say(text: str, **numbers: float | str) -> None:
+def _show(kind: str, text: str, /, **numbers: float | str) -> None:
     """Show a paragraph of Markdown with numbers of this run where it has ``{name:.2f}``."""
-    _show(text, "text", numbers)
-
-
-def answer(text: str, **numbers: float | str) -> None:
-    """Show the answer to a chapter's question, which the book repeats at the head of its page."""
-    _show(text, "answer", numbers)
-
-
-def _show(text: str, kind: str, numbers: Fields) -> None:
     record.add(record.TEXT, numbers)
     record.show({"text/markdown": cleandoc(text).format(**numbers)}, kind)
+
+
+say = partial(_show, "text")
+# to a chapter's question, repeated at the head of its page
+answer = partial(_show, "answer")
 
 
 def table(
@@ -50,8 +47,8 @@ def table(
         "--:" if all(map(NUMBER.match, column)) else ":--"
         for column in zip(*texts, strict=True)
     ]
-    lines = (" | ".join(line) for line in (titles, [":--", *sides[1:]], *texts))
-    text = replaced("\n".join(f"| {line} |" for line in lines), TYPESET)
+    lines = (titles, [":--", *sides[1:]], *texts)
+    text = replaced("\n".join(f"| {' | '.join(line)} |" for line in lines), TYPESET)
     if fold:
         text = f"<details><summary>{fold}</summary>\n\n{text}\n\n</details>"
     display(Markdown(text))

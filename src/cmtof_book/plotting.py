@@ -6,6 +6,7 @@ Colours are those of Okabe and Ito (2008), which stay apart for colour-blind rea
 import csv
 import re
 from collections.abc import Collection, Iterable, Iterator, Sequence
+from functools import partial
 from pathlib import Path
 from string import ascii_lowercase
 from typing import Any, Literal
@@ -83,18 +84,14 @@ def image(
     return drawn
 
 
-def phase_image(
-    ax: Axes, phase: ArrayLike, *, title: str = "", label: str = "phase (rad)"
-) -> None:
-    """Wrapped phase (H, W) in [0, 2π), rad, with cyclic colours; otherwise as `image`."""
-    image(ax, phase, label=label, title=title, cmap=PHASE_CMAP, limits=TURN)
+# wrapped phase (H, W) in [0, 2π), rad, with cyclic colours
+phase_image = partial(image, label="phase (rad)", cmap=PHASE_CMAP, limits=TURN)
 
 
 def grid(count: int, columns: int, aspect: float) -> tuple[Figure, list[Axes]]:
     """So many panels in columns, of height over width, with space for titles and a colour bar."""
     rows = -(-count // columns)
-    height = rows * ((WIDTH - 0.9) / columns * aspect + 0.35)
-    fig = plt.figure(figsize=(WIDTH, height))
+    fig = plt.figure(figsize=(WIDTH, rows * ((WIDTH - 0.9) / columns * aspect + 0.35)))
     return fig, [fig.add_subplot(rows, columns, n + 1) for n in range(count)]
 
 
@@ -173,8 +170,13 @@ def intervals(
 def dots(ax: Axes, series: Named, rows: Sequence[str]) -> None:
     """Dots of series (R,), each with a marker of its own, a row a name, the first on top."""
     for number, (label, values) in enumerate(series.items()):
-        places = np.arange(len(rows)) + 0.12 * number
-        ax.plot(values, places, "osD^vP"[number], ms=6, label=label)
+        ax.plot(
+            values,
+            np.arange(len(rows)) + 0.12 * number,
+            "osD^vP"[number],
+            ms=6,
+            label=label,
+        )
     _name_rows(ax, rows)
 
 
