@@ -39,10 +39,10 @@ def large_frame() -> Any:
 
     small = load_frame("room")
     factor = SHAPE[0] / small.depth.shape[0]  # along rows as along columns
-    rows, columns = (np.indices(SHAPE) / factor).astype(int)
+    pixels = tuple((np.indices(SHAPE) / factor).astype(int))
     return Frame(
-        small.depth[rows, columns],
-        small.intensity[rows, columns],
+        small.depth[pixels],
+        small.intensity[pixels],
         small.camera * factor,
         "room, enlarged",
     )
@@ -55,7 +55,7 @@ def ratios() -> None:
 
     rng = np.random.default_rng(0)
     simulated = partial(simulate, large_frame(), protocol="full")
-    stack = simulated(seed=0).dataset["correlation"].to_numpy()
+    stack = simulated().dataset["correlation"].to_numpy()
     fast = seconds(lambda: decode(stack, QUADRATURES))
     print(
         f"decode (2, 4, 768, 1024) float32 / copy: {fast / seconds(stack.copy):.2f}, goal < 4"
@@ -66,7 +66,7 @@ def ratios() -> None:
         rng.poisson(mean)
         rng.standard_normal(mean.shape, dtype=np.float32)
 
-    whole = seconds(partial(simulated, seed=0), 3)
+    whole = seconds(simulated, 3)
     print(
         f"simulate / drawing its random numbers: {whole / seconds(draw, 3):.2f}, goal < 1.5"
     )
