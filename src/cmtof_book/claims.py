@@ -92,7 +92,7 @@ def numbers_of(scores: Scores, records: Iterable[Record]) -> Fields:
             results[f"{key}@{place} alone"] = quantity_text(one.value, unit, 3)
     figures = {
         f"{record.chapter}/{record.name}": {
-            name: one["value"] if isinstance(one, dict) and "kind" in one else one
+            name: one.get("value", one) if isinstance(one, dict) else one
             for name, one in record.numbers.items()
         }
         for record in records
@@ -110,16 +110,15 @@ def texts(scores: Scores, records: list[Record]) -> Texts:
 
     The table has each claim, our answer, the verdict and why. A claim's figure is that of a build.
     """
-    fill = partial(fill_in, numbers=numbers_of(scores, records))
-    page = partial(pages.page, fill=fill)
+    numbers = numbers_of(scores, records)
+    page = partial(pages.page, fill=partial(fill_in, numbers=numbers))
     every = claims(scores)
     drawn = {record.name: record.content for record in records}
-    single = {
-        f"claims/{one.name}": page("claim", claim=one, drawn=drawn[one.about["figure"]])
-        for one in every
-    }
-    return {
+    shown = {
         "claims": page("claims", claims=every),
         "findings": page("findings", findings=DOCUMENT["findings"]),
-        **single,
+    }
+    return shown | {
+        f"claims/{one.name}": page("claim", claim=one, drawn=drawn[one.about["figure"]])
+        for one in every
     }

@@ -24,8 +24,10 @@ GROW = (
 
 def show(html: str, *scripts: Path) -> None:
     """Show HTML that the book's script, and scripts that run after it, bring to life."""
-    files = [STATIC / "cmtof.css", STATIC / "cmtof.js", *scripts]
-    style, *acts = [file.read_text("utf-8") if file.is_file() else "" for file in files]
+    style, *acts = [
+        file.read_text("utf-8") if file.is_file() else ""
+        for file in (STATIC / "cmtof.css", STATIC / "cmtof.js", *scripts)
+    ]
     held = escape(
         f'<style>{LOOK}{style}</style><body class="bd-article">{html}'
         f"<script>{''.join(acts)}</script>"

@@ -40,8 +40,10 @@ def _numbers_of(name: str, held: Fields) -> Iterator[Published]:
     columns = held.get("columns", {"": ""})
     values = np.atleast_1d(held["value"]).tolist()
     for (column, title), value in zip(columns.items(), values, strict=True):
-        scale = {"absolute": 1.0, "relative": abs(value)}
-        allowed = (scale[kind] * size for kind, size in held["tolerance"].items())
+        allowed = (
+            abs(value) * size if kind == "relative" else size
+            for kind, size in held["tolerance"].items()
+        )
         yield Published(
             **held
             | {
@@ -98,8 +100,8 @@ def table() -> None:
                 held["verdict"],
             ]
         )
-    verdicts = Counter(row[-1] for row in rows)
-    said = ", ".join(f"{count} {name}" for name, count in verdicts.most_common())
+    verdicts = Counter(row[-1] for row in rows).most_common()
+    said = ", ".join(f"{count} {name}" for name, count in verdicts)
     fold = f"{len(rows)} numbers: {said}" if len(rows) > 12 else ""
     notes.table(["number", "paper", "here", "verdict"], rows, fold=fold)
 
@@ -144,8 +146,10 @@ def quantity_text(value: float, unit: str, digits: int = 4) -> str:
         return "not finite"
     if unit in {"m", "s", "Hz", "W"}:
         return EngFormatter(unit)(float(f"{value:.{digits}g}"))
-    share = unit in ("fraction", "points")
     text = np.format_float_positional(
-        100 * value if share else value, precision=digits, fractional=False, trim="-"
+        100 * value if unit in ("fraction", "points") else value,
+        precision=digits,
+        fractional=False,
+        trim="-",
     )
     return f"{text} {'%' if unit == 'fraction' else unit}".removesuffix(" 1")

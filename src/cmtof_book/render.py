@@ -36,8 +36,9 @@ def store_texts(html: Path) -> None:
             name = page.relative_to(html).as_posix()
             for place in article.select(SHOWN):
                 kind = {"dt": "dd", "section": "p", "span": "p"}.get(place.name)
-                shown = place.find_next(kind) if kind else place
-                previews[f"{name}#{place['id']}"] = str(shown)
+                previews[f"{name}#{place['id']}"] = str(
+                    place.find_next(kind) if kind else place
+                )
             for unread in article.select(
                 "pre, summary, .math"
             ):  # nobody quotes code or TeX

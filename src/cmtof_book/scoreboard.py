@@ -8,7 +8,7 @@ script of the book hides the lines that a reader does not want.
 
 import math
 import re
-from collections import defaultdict
+from collections import Counter, defaultdict
 from collections.abc import Iterable, Iterator, Sequence
 from itertools import groupby
 from pathlib import Path
@@ -36,7 +36,7 @@ SHOWN = ("reproduced", "contradicted", "open")
 
 def scores_in(records: Sequence[Record]) -> Scores:
     """Every published number with the result of the first chapter that checked it."""
-    scores = {key: Score(number) for key, number in published_numbers().items()}
+    scores = {key: Score(number, {}) for key, number in published_numbers().items()}
     for record in reversed(records):
         for key, held in record.numbers.items() if record.name == PAPER else ():
             scores[key] = Score(
@@ -66,8 +66,7 @@ def page(
 
 def counts(scores: Iterable[Score]) -> dict[str, int]:
     """How many numbers have each verdict."""
-    said = [score.verdict for score in scores]
-    return {name: said.count(name) for name in RANK}
+    return dict.fromkeys(RANK, 0) | Counter(score.verdict for score in scores)
 
 
 def accepted_scores(scores: Scores) -> Fields:

@@ -57,18 +57,16 @@ def place_shown(notebook: Any, stem: str) -> None:
         said = []
         for output in [*cell.get("outputs", ())]:
             about = output.get("metadata", {}).pop("cmtof", {"kind": ""})
-            match about["kind"]:
-                case "":
-                    continue
-                case "page":
-                    output.data["text/html"] = about["html"]
-                    continue
-                case "figure":
-                    figures.append(figure_cell(output, about, stem))
-                case "text" | "answer":
-                    said.append(new_markdown_cell(output.data["text/markdown"]))
-            cell.outputs.remove(output)
-            if about["kind"] == "answer":
+            kind = about["kind"]
+            if kind == "page":
+                output.data["text/html"] = about["html"]
+            elif kind:
+                cell.outputs.remove(output)
+            if kind == "figure":
+                figures.append(figure_cell(output, about, stem))
+            if kind in ("text", "answer"):
+                said.append(new_markdown_cell(output.data["text/markdown"]))
+            if kind == "answer":
                 put_behind_question(notebook.cells[0], said[-1].source)
         if not said or not cell.source.startswith("notes."):
             cells.append(cell)
@@ -122,9 +120,10 @@ def stage_notebook(executed: Path, target: Path) -> None:
     place_shown(notebook, executed.stem)
     lead_with_figure(notebook)
     join_folded(notebook)
-    about = pages.page("provenance", **notebook.metadata)
+    notebook.cells.append(
+        new_markdown_cell(pages.page("provenance", **notebook.metadata))
+    )
     del notebook.metadata["cmtof"]
-    notebook.cells.append(new_markdown_cell(about))
     for number, cell in enumerate(notebook.cells):
         if cell.cell_type == "markdown":
             cell.source = myst(cell.source)

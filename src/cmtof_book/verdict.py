@@ -7,7 +7,6 @@ or *changed*. What nobody can compare is *untested*.
 
 from collections import defaultdict
 from collections.abc import Mapping, Sequence
-from dataclasses import field
 from typing import Any, Literal, NamedTuple
 
 import numpy as np
@@ -91,7 +90,7 @@ class Score:
     """A published number beside ours, by case, and what follows from the two."""
 
     number: Published
-    cases: dict[str, OwnNumber] = field(default_factory=dict)
+    cases: dict[str, OwnNumber]
     profile: str = "book"
     crops: int = 0  # on which the network was trained
     chapter: str = ""  # that computed ours
