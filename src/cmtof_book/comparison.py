@@ -36,8 +36,11 @@ class Scene(NamedTuple):
     def count(self, label: str = "") -> Array:  # pyright: ignore[reportIncompatibleMethodOverride]
         """Wraps (H, W) by one method or of the true depth, NaN where not scored."""
         depth = np.nan_to_num(self.measurement.depth).astype(float)  # pyright: ignore[reportArgumentType, reportCallIssue]
-        truth = wrap_count_from_depth(depth, self.measurement.frequencies[0])
-        found = self.answers[label]["wrap_count"] if label else truth
+        found = (
+            self.answers[label]["wrap_count"]
+            if label
+            else wrap_count_from_depth(depth, self.measurement.frequencies[0])
+        )
         return np.where(self.measurement.mask, found, np.nan)
 
     def error(self, label: str) -> Array:
@@ -98,8 +101,12 @@ def show_swipe(scene: Scene, left: str, right: str) -> None:
 def _encode_wraps(scene: Scene, *labels: str) -> NDArray[np.uint8]:
     """True wraps and those by two methods, beside them phase and odds, 255 for one, as colours."""
     counts = np.dstack([scene.count(), *map(scene.count, labels)])
-    odds = [scene.answers[label]["confidence"] for label in labels]
-    shares = np.dstack([scene.measurement.phase[0] / TAU, *odds])
+    shares = np.dstack(
+        [
+            scene.measurement.phase[0] / TAU,
+            *(scene.answers[label]["confidence"] for label in labels),
+        ]
+    )
     return np.nan_to_num(np.hstack([counts, 255 * shares])).astype(np.uint8)
 
 

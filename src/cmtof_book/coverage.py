@@ -110,8 +110,12 @@ def main() -> None:
     frames = [*islice(views(613, tested=False), 40)]
     for method, conditions in CHECKED.items():
         for one in conditions:
-            of = partial(coverage_means, method, measurements(one, frames))
-            counts.keep("checked", method, one, of=of)
+            counts.keep(
+                "checked",
+                method,
+                one,
+                of=partial(coverage_means, method, measurements(one, frames)),
+            )
 
 
 if __name__ == "__main__":

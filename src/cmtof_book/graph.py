@@ -72,8 +72,9 @@ def inputs(module: str) -> list[str]:
 
     ``configs/inputs.yml`` names what a notebook reads beside the packages; data are optional.
     """
-    stem = module.rpartition(".")[2]
-    declared = read_document(ROOT / "configs/inputs.yml").get(stem, {})
+    declared = read_document(ROOT / "configs/inputs.yml").get(
+        module.rpartition(".")[2], {}
+    )
     read = [RESULTS / name for name in declared.get("results", ())]
     if base := data_root():
         for word in declared.get("data", ()):

@@ -38,8 +38,11 @@ def light_network() -> bytes:
     arrays, card = read_weights(weights_path("fast-scnn-light", "released"))
     model = onnx.load_from_string(read_graph(card))
     for weight in model.graph.initializer:
-        array = arrays[weight.name].astype(np.float32)
-        weight.CopyFrom(onnx.numpy_helper.from_array(array, weight.name))
+        weight.CopyFrom(
+            onnx.numpy_helper.from_array(
+                arrays[weight.name].astype(np.float32), weight.name
+            )
+        )
     return model.SerializeToString()
 
 
@@ -61,10 +64,9 @@ def object_frame(name: str) -> Frame:
 
     half = FIELD_OF_VIEW[name] / 2
     along = np.linspace(-half, half, SIDE)
-    angles = np.dstack(np.meshgrid(along, along))
     target: Any = scene_from({"kind": "object", "name": name})
-    seen = target.look(directions_from_angles(angles))
-    return Frame(seen.range, seen.reflectance * seen.cosine, None, name, "")
+    seen = target.look(directions_from_angles(np.dstack(np.meshgrid(along, along))))
+    return Frame(seen.range, seen.reflectance * seen.cosine, name=name)
 
 
 def packed_scene(frame: Frame) -> Fields:
@@ -72,14 +74,15 @@ def packed_scene(frame: Frame) -> Fields:
     measured = simulate(frame, noise_free=True)
     place = tuple(slice(max(0, n - SIDE) // 2, (n + SIDE) // 2) for n in measured.shape)
     depth = np.nan_to_num(np.asarray(measured.depth)[place])
-    light = np.minimum(frame.intensity[place], 1)
     height, width = depth.shape
     return {
         "width": width,
         "height": height,
         "step": DEPTH_STEP,
         "depth": pack(np.rint(depth / DEPTH_STEP).astype("<u2")),
-        "light": pack(np.rint(255 * light).astype(np.uint8)),
+        "light": pack(
+            np.rint(255 * np.minimum(frame.intensity[place], 1)).astype(np.uint8)
+        ),
         "mask": pack(measured.mask[place]),
     }
 
@@ -92,7 +95,7 @@ def pack(content: bytes | NDArray) -> str:
 def write(folder: Path) -> None:
     """Write ``scenes.js``, ``runtime.js``, and phases as a reader has them: ``example.csv``."""
     frames = scenes()
-    room = simulate(frames["study"].middle(96, 128), seed=0)
+    room = simulate(frames["study"].middle(96, 128))
     np.savetxt(folder / "example.csv", np.concatenate(room.phase), "%.3f", ",")
     drawn = {name: packed_scene(frame) for name, frame in frames.items()}
     runtime = {

@@ -61,8 +61,7 @@ def rendered_scene(
     """Phasors (2, H, W), of the emitted light, of a scene in a field of view, and range, m."""
     angle = np.rad2deg(view)
     plan = plan_scan(rig_of("", field_of_view_deg=(angle, angle)), size=size)
-    angles = plan.angles.reshape(-1, 2)
-    paths = trace(MeshTarget.from_mesh(mesh), angles, QUIET, seed)
+    paths = trace(MeshTarget.from_mesh(mesh), plan.angles.reshape(-1, 2), QUIET, seed)
     reach = QUIET.group_index * paths.range
     phase = phase_from_depth(reach, np.reshape(FREQUENCIES, (2, 1, 1)))
     phasor = (paths.fraction * np.exp(1j * phase)).sum(-1)

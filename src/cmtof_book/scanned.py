@@ -111,8 +111,12 @@ SWEPT = ("bust", "owl")  # scenes of which fewer points and other noise are trie
 
 def scan_object(name: str, noise: Noise, **view: Any) -> Measurement:
     """Scan of an object by name, as `scan_target` has it."""
-    target = scene_from({"kind": "object", "name": name})
-    return scan_target(target, noise, field_of_view=FIELD_OF_VIEW[name], **view)
+    return scan_target(
+        scene_from({"kind": "object", "name": name}),
+        noise,
+        field_of_view=FIELD_OF_VIEW[name],
+        **view,
+    )
 
 
 def scan_target(
@@ -204,9 +208,11 @@ def examples(numbers: Iterable[int], group: int = 0) -> Iterator[Any]:
     They come one by one, so that only what is learnt from them is held.
     """
     for number in numbers:
-        make = partial(labelled_scan, number, group)
-        if group == RENDERED:
-            make = partial(rendered_still, number, SIZE)
+        make = (
+            partial(rendered_still, number, SIZE)
+            if group == RENDERED
+            else partial(labelled_scan, number, group)
+        )
         scan = load_or_make(f"still_{group}_{number}", make)
         yield scan, *(scan.dataset[key].to_numpy() for key in ("wraps", "labels"))
 
@@ -319,16 +325,20 @@ def scan_for_row(row: str, name: str, noise: Noise, seed: int) -> Measurement:
     if row == "rapid":
         return four_phases(scan)
     if row == "phasor":
-        other = partial(kept_scan, kind="close", frequency_single=7.16e9)
-        return close_pair(scan, other(name, noise, seed + 100))
+        return close_pair(
+            scan,
+            kept_scan(name, noise, seed + 100, kind="close", frequency_single=7.16e9),
+        )
     return scan
 
 
 def validation_rates(legs: int) -> list[float]:
     """Shares of right wraps, after so many legs, on scans of the things that are held out."""
     scans = (scan for scan, *_ in examples(range(VALIDATED), 1))
-    every = wraps_off(scans, NETWORK, partial(best_weights, legs))
-    return [round(right / pixels, 4) for pixels, right, *_ in every]
+    return [
+        round(right / pixels, 4)
+        for pixels, right, *_ in wraps_off(scans, NETWORK, partial(best_weights, legs))
+    ]
 
 
 def compare(counts: Counts, noise: str, rows: Named) -> None:
@@ -343,8 +353,13 @@ def sweep(counts: Counts, rows: Named) -> None:
     for level, stride, (name, row) in product(LEVELS, STRIDES, rows.items()):
         scans = (kept_scan(scene, LEVELS[level]).dataset for scene in SWEPT)
         thin = (one.thin(x=stride, y=stride).drop_vars("camera") for one in scans)
-        of = partial(wraps_off, map(Measurement, thin), *row)
-        counts.keep("sweep", level, str(SIZE // stride), name, of=of)
+        counts.keep(
+            "sweep",
+            level,
+            str(SIZE // stride),
+            name,
+            of=partial(wraps_off, map(Measurement, thin), *row),
+        )
 
 
 def main() -> None:
@@ -365,8 +380,8 @@ def main() -> None:
     phasor = rows.pop("phasor")
     rows |= {name: (method, best_weights) for name, method in TUNED_ROWS.items()}
     compare(counts, "photon", rows | {f"stray {name}": (name,) for name in STRAY})
-    swept = {NETWORK: rows["tuned"]}
-    sweep(counts, swept | {name: rows[name] for name in ("kde", *TOLD)})
+    swept = {name: rows[name] for name in ("kde", *TOLD)}
+    sweep(counts, {NETWORK: rows["tuned"]} | swept)
     rows |= {"phasor": phasor, "rendered": (NETWORK, partial(best_weights, 4))}
     rows |= {f"{n} scans": (NETWORK, partial(tuned_weights, n)) for n in CURVE}
     compare(counts, "captures", rows)

@@ -49,8 +49,10 @@ class Row(NamedTuple):
 
     def is_counted(self, held: Fields) -> bool:
         """Whether these weights were counted before."""
-        counted = any(self.name in frame["methods"] for frame in held["frames"])
-        return counted and held["weights"].get(self.name, "") == self.weights
+        return (
+            any(self.name in frame["methods"] for frame in held["frames"])
+            and held["weights"].get(self.name, "") == self.weights
+        )
 
 
 def rows_of(methods: Sequence[str], protocol: str, runs: Path | None) -> Iterator[Row]:
@@ -96,9 +98,10 @@ def count(held: Fields, row: Row, frames: Iterable[Frame]) -> None:
 def write(held: Fields, path: Path) -> None:
     """Store counts, one frame a line, with their hash."""
     held |= {"version": __version__, "sha256": digest(held["frames"])}
-    text = json.dumps(held).replace('{"frame": ', '\n{"frame": ')
     with atomic_output(path) as part:
-        part.write_text(text + "\n", "utf-8")
+        part.write_text(
+            json.dumps(held).replace('{"frame": ', '\n{"frame": ') + "\n", "utf-8"
+        )
 
 
 def main(
@@ -120,8 +123,11 @@ def main(
     held = read_json(path)
     if held.get("settings") != settings:
         held = {"settings": settings, "size": size, "weights": {}, "frames": []}
-    rows = rows_of(methods, protocol, runs)
-    rows = [row for row in rows if again or not row.is_counted(held)]
+    rows = [
+        row
+        for row in rows_of(methods, protocol, runs)
+        if again or not row.is_counted(held)
+    ]
     if rows:
         frames = views_of_size(*shape_from_text(size)) if size else held_out_frames()
         for row in rows:
