@@ -112,15 +112,15 @@ def _encode_wraps(scene: Scene, *labels: str) -> NDArray[np.uint8]:
 
 def _pictures(scene: Scene, label: str, place: str) -> Iterator[str]:
     """Wraps and errors of a method as images of HTML."""
-    wraps = "wraps", "viridis", scene.count(label), scene.limits
-    errors = "errors", "magma", scene.error(label), (0, WORST)
-    for kind, scale, values, (low, high) in (wraps, errors):
-        colours = plt.get_cmap(scale).with_extremes(bad="0.6")
+    for kind, scale, values, (low, high) in (
+        ("wraps", "viridis", scene.count(label), scene.limits),
+        ("errors", "magma", scene.error(label), (0, WORST)),
+    ):
         yield _image(
             values,
             f"{kind} {place}",
             f"{kind.capitalize()} of {label}.",
-            cmap=colours,
+            cmap=plt.get_cmap(scale).with_extremes(bad="0.6"),
             vmin=low,
             vmax=high,
         )
@@ -129,5 +129,7 @@ def _pictures(scene: Scene, label: str, place: str) -> Iterator[str]:
 def _image(values: NDArray, kind: str, text: str = "", **look: Any) -> str:
     written = BytesIO()
     plt.imsave(written, values, **look)
-    source = letters(written.getvalue())
-    return f'<img class="dark-light {kind}" alt="{text}" src="data:image/png;base64,{source}">'
+    return (
+        f'<img class="dark-light {kind}" alt="{text}" '
+        f'src="data:image/png;base64,{letters(written.getvalue())}">'
+    )

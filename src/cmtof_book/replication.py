@@ -43,8 +43,10 @@ class Outcome(NamedTuple):
         allowed = f"{self.expected.value:.4g} ± {self.expected.tolerance():.2g}"
         if self.expected.kind == "decision":
             allowed = f"at least {self.expected.at_least:.4g}"
-        said = "PASS" if self.passed else "FAIL"
-        return f"{said}  {self.what}: {self.value:.4g} (expected {allowed})"
+        return (
+            f"{'PASS' if self.passed else 'FAIL'}  {self.what}: {self.value:.4g} "
+            f"(expected {allowed})"
+        )
 
 
 def replicate(figure: Path) -> Iterator[Outcome]:

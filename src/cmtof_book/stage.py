@@ -93,8 +93,12 @@ def lead_with_figure(notebook: Any) -> None:
         cells.insert(1, figure)
         if texts[1:]:
             name = figure.metadata["mystnb"]["figure"]["name"]
-            seen = f"See {{numref}}`{name}` at the head of this chapter."
-            cells.insert(place + 1, new_markdown_cell(seen))
+            cells.insert(
+                place + 1,
+                new_markdown_cell(
+                    f"See {{numref}}`{name}` at the head of this chapter."
+                ),
+            )
 
 
 def join_folded(notebook: Any) -> None:

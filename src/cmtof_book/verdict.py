@@ -164,8 +164,9 @@ class Score:
         """What stands behind the verdict: what is undecided, and what is not the paper's."""
         if self.untested or self.verdict == "changed":
             return self.untested or self.number.changed
-        told = [sentence(self.undecided), *map(self.ours, self.differing)]
-        return " ".join(filter(None, told))
+        return " ".join(
+            filter(None, [sentence(self.undecided), *map(self.ours, self.differing)])
+        )
 
     @property
     def deciding(self) -> str:
