@@ -17,16 +17,11 @@ from cmtof_rooms.presets import presets
 from cmtof_rooms.rendering import Settings
 from cmtof_rooms.rooms import build_room
 from cmtof_rooms.shell import THICKNESS
-from cmtof_rooms.things import Light
+from cmtof_rooms.things import Light, Thing
 
 KINDS = presets()["kinds"]
 ROOMS = presets()["rooms"]
 SEED = 31
-
-
-def bounds(parts):
-    low, high = zip(*(part.mesh.bounds for part in parts), strict=True)
-    return np.min(low, axis=0), np.max(high, axis=0)
 
 
 def test_kinds_are_those_that_rooms_and_other_kinds_name():
@@ -59,7 +54,7 @@ def test_a_kind_is_closed_and_stays_within_its_size(name, rng):
     tops = [one for one in made if isinstance(one, Top)]
     parts = [kit.part(*one) for one in made if not isinstance(one, Top | Light)]
     assert all(part.mesh.is_volume for part in parts)
-    low, high = bounds(parts)
+    low, high = Thing(name, parts).bounds
     # handles, worktops and banisters reach a little further
     beyond = np.array([0.03, 0.04, 1.0 if kind["maker"] == "stairs" else 0.04])
     assert (low[:2] >= (-size / 2 - beyond)[:2] - 1e-3).all()
@@ -76,7 +71,7 @@ def room(request):
 def standing(room):
     """Kind and bounds of what takes up space: all but rugs and what lies on something."""
     return [
-        (thing.kind, *bounds(thing.parts))
+        (thing.kind, *thing.bounds)
         for thing in room.furniture
         if KINDS[thing.kind]["at"] not in ("flat", "top")
     ]
