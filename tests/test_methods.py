@@ -19,13 +19,6 @@ NAMES = sorted(name for name, method in METHODS.items() if method.kind != "learn
 TWO = [name for name in NAMES if METHODS[name].frequencies == 2]
 
 
-def wall(height, width, light=0.8):
-    """A tilted wall inside the released range."""
-    y, x = np.indices((height, width))
-    depth = 0.85 + 0.2 * x / max(width, 8) + 0.05 * y / max(height, 8)
-    return lit(depth, light, [*[1.2 * max(height, width)] * 2, width / 2, height / 2])
-
-
 def given_to(name, frame, **conditions):
     return measure_frame(frame, [name], seed=3, **conditions)[name]
 
@@ -42,10 +35,13 @@ def given_to(name, frame, **conditions):
     ],
 )
 @mark.parametrize("name", NAMES)
-def test_results_obey_range_and_mask_and_repeat(name, shape, light, hidden):
+def test_results_obey_range_and_mask_and_repeat(
+    tilted_wall, name, shape, light, hidden
+):
     """Of images of any size, light or dark, whose first rows are masked."""
     low, high = 0.86, 1.05
-    data = given_to(name, wall(*shape, light)).dataset
+    part = tilted_wall.middle(*shape)
+    data = given_to(name, lit(part.depth, light, part.camera)).dataset
     data["mask"][:hidden] = False
     m = Measurement(data)
     mask = m.mask
