@@ -78,7 +78,7 @@ SAME = {
 
 
 def wraps_of(name, *measurements):
-    return [cmtof.unwrap(m, method=name)["wrap_count"].to_numpy() for m in measurements]
+    return [cmtof.unwrap(m, method=name)["wrap_count"] for m in measurements]
 
 
 @mark.parametrize("relation", SAME)
@@ -97,7 +97,7 @@ def test_what_changes_no_information_changes_no_wrap(scene, name, relation):
 def test_masked_junk_decides_nothing(scene, name, fill):
     m = scene(name)
     whole, amid = wraps_of(name, m, Measurement(junk_around(m.dataset, fill)))
-    assert np.mean(whole == amid[EDGE:-EDGE, EDGE:-EDGE]) > LEAST.get(name, 0.9)
+    assert (whole == amid[EDGE:-EDGE, EDGE:-EDGE]).mean() > LEAST.get(name, 0.9)
 
 
 @mark.parametrize("share", [0.01, 0.1])
@@ -111,13 +111,10 @@ def test_masked_holes_take_nothing_from_their_neighbours(scene, rng, name, share
     assert found > whole - 0.05
 
 
-FLIPS = {
-    "left and right": (lambda d: d.isel(x=slice(None, None, -1)), lambda c: c[:, ::-1]),
-    "up and down": (lambda d: d.isel(y=slice(None, None, -1)), lambda c: c[::-1]),
-    "transposed": (
-        lambda d: d.rename(y="x", x="y").transpose("frequency", "step", "y", "x", ...),
-        np.transpose,
-    ),
+FLIPS = {  # each undoes itself
+    "left and right": lambda d: d.isel(x=slice(None, None, -1)),
+    "up and down": lambda d: d.isel(y=slice(None, None, -1)),
+    "transposed": lambda d: d.rename(y="x", x="y").transpose(..., "y", "x"),
 }
 
 
@@ -130,10 +127,9 @@ FLIPS = {
     ],
 )
 def test_a_mirrored_image_has_mirrored_wraps(scene, name, flip):
-    change, back = FLIPS[flip]
     m = Measurement(scene(name).dataset.drop_vars("camera"))
-    whole, found = wraps_of(name, m, Measurement(change(m.dataset)))
-    assert np.mean(whole == back(found)) > LEAST.get(name, 0.98)
+    whole, found = wraps_of(name, m, Measurement(FLIPS[flip](m.dataset)))
+    assert (whole == FLIPS[flip](found)).mean() > LEAST.get(name, 0.98)
 
 
 @mark.parametrize("by", [1e-4, 1e-3, 1e-2])
@@ -144,4 +140,4 @@ def test_a_slightly_moved_range_moves_few_wraps(scene, name, by):
     pointwise = ["crt", "crt-ml", "crt-closed-form", "phasor", "middle"]
     m = scene(name, noise_free=name in pointwise)
     whole, found = wraps_of(name, m, m.between(*(end + by for end in m.range)))
-    assert np.mean(whole == found) > 0.95
+    assert (whole == found).mean() > 0.95
