@@ -8,28 +8,15 @@ import xarray as xr
 from numpy.testing import assert_allclose
 from pytest import approx, fixture, mark
 from refusals import refused
-from scipy.ndimage import zoom
 
 import cmtof
 from cmtof.evaluation import scored_pixels
 from cmtof.network.weights import weights_path
-from cmtof.scenes import Frame
 from cmtof.unwrapping import unwrap_file
+from cmtof_rooms.rendering import Settings, render_views
 
 pytestmark = mark.usefixtures("own_folder")
 SIDE = int(os.environ.get("CMTOF_SIDE", "1024"))  # px; 4000 takes minutes
-
-
-def room(side):
-    """The embedded room at another size."""
-    frame = cmtof.load_frame("room")
-    scale = side / min(frame.depth.shape)
-    # edges lie on edges, as those of pixels that the scaled camera sees
-    how = {"order": 1, "mode": "nearest", "grid_mode": True}
-    depth, light = (
-        zoom(one, scale, **how)[:side, :side] for one in (frame.depth, frame.intensity)
-    )
-    return Frame(depth, light, frame.camera * scale, "room")
 
 
 @fixture
@@ -96,7 +83,8 @@ def test_many_files_make_a_table(succeeds, fails, stack):
 
 @mark.slow
 def test_seams_are_no_worse_than_the_inside():
-    cmtof.simulate(room(SIDE), protocol="full").save("m.nc")
+    (view,) = render_views(Settings(812, 1, 1, SIDE, SIDE))
+    cmtof.simulate(view.frame, protocol="full").save("m.nc")
     tile = min(1024, SIDE // 2)
     wrong = []
     near = []
