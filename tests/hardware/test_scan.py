@@ -157,10 +157,9 @@ def test_a_foreign_measurement_is_not_a_finished_scan():
 # --- faults --------------------------------------------------------------------------------------
 
 
-def failing(bench, role, method, error, at=1, times=1000):
-    """Have a method of a device raise an error from its nth call on, so many times."""
-    device = getattr(bench, role)
-    fault = error(f"Expected an answer of {role}, got none. Check it.")
+def silence(device, method, at, times=1000):
+    """Have a method of a device time out from its nth call on, so many times."""
+    fault = InstrumentTimeout("Expected an answer, got none. Check it.")
     calls = [DEFAULT] * (at - 1) + [fault] * times + [DEFAULT] * 1000
     setattr(device, method, Mock(wraps=getattr(device, method), side_effect=calls))
 
@@ -178,7 +177,7 @@ def after_lines(bench, act):
 
 
 def lose_samples(bench, times):
-    failing(bench, "daq", "bursts", InstrumentTimeout, at=4, times=times)
+    silence(bench.daq, "bursts", 4, times)
 
 
 def miss_edges(bench, times):
@@ -295,11 +294,7 @@ def test_a_reference_target_that_cannot_calibrate_ends_the_scan(twin, text):
 
 def test_a_generator_that_is_lost_is_noticed_at_the_end_of_the_line():
     with raises(InstrumentTimeout):
-        take(
-            prepare=lambda bench: failing(
-                bench, "clock", "output_is_on", InstrumentTimeout, at=13
-            )
-        )
+        take(prepare=lambda bench: silence(bench.clock, "output_is_on", 13))
     assert recorded() == 13  # header and twelve lines
 
 
