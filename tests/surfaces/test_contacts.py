@@ -13,7 +13,6 @@ from exact_scenes import (
     plane_depth,
     whole_boxes,
 )
-from numpy.testing import assert_allclose, assert_array_equal
 from pytest import approx, mark
 from scipy.special import softmax
 
@@ -22,7 +21,6 @@ from cmtof.surfaces.fitting import move_surface
 from cmtof.surfaces.shapes import BENT
 
 REPEAT = 357.5  # wraps
-SURE = 0.99
 
 
 def between(*entries):
@@ -101,19 +99,6 @@ def test_a_wall_behind_leaves_keeps_its_offset():
     assert not found.wraps.any()
 
 
-@mark.parametrize(
-    ("mean", "spread", "odds", "second"),
-    [
-        ([0, 9], [0.3, 0.3], SURE, 9),  # they disagree
-        ([0.1, 0.8], [0.1, 0.5], 0.01, 1),
-        ([0.1, 0.8], [0.1, 0.5], SURE, 0),
-    ],
-)
-def test_none_are_tied_that_disagree_or_against_the_odds(mean, spread, odds, second):
-    found = place(known(mean, spread), between((0, 1, 0, odds)))
-    assert found.wraps.tolist() == [0, second]
-
-
 def test_no_surface_has_no_offset():
     assert place(known([], []), between()).wraps.size == 0
 
@@ -123,21 +108,3 @@ def test_offsets_stay_within_the_limits_and_find_their_beat():
     found = place(known([4.0, 0.2, 0.0], [3.0, 0.3, 0.3]), between(), limits)
     assert -3 < found.wraps[0] < 3
     assert found.wraps[1:].tolist() == [np.rint(0.2 + REPEAT), 0]
-
-
-@mark.parametrize("count", [2, 5, 9])
-def test_neither_the_order_of_borders_nor_their_sides_matter(rng, count):
-    true = rng.integers(-20, 20, count)
-    spread = rng.uniform(0.05, 2, count)
-    told = [
-        (a, b, true[b] - true[a] + rng.integers(-1, 2), rng.random())
-        for a, b in combinations(range(count), 2)
-        if rng.random() < 0.7
-    ]
-    turned = [(b, a, -step, odds) for a, b, step, odds in told]
-    rng.shuffle(turned)
-    found = known(true + spread * rng.normal(size=count), spread)
-    once = place(found, between(*told))
-    again = place(found, between(*turned))
-    assert_array_equal(again.wraps, once.wraps)
-    assert_allclose(again.share, once.share, atol=1e-9)
