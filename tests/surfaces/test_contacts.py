@@ -62,7 +62,8 @@ def test_beliefs_along_a_chain_are_those_of_all_combinations(monkeypatch, border
     joint = joint_odds(alone, borders)
     found = place(alone, between(*borders))
     for n in range(3):
-        share = joint.sum(axis=tuple({0, 1, 2} - {n})) / joint.sum()
+        others = tuple({0, 1, 2} - {n})
+        share = joint.sum(axis=others) / joint.sum()
         assert found.wraps[n] == np.rint(alone.mean[n]) + share.argmax() - 4
         assert found.odds[n] == approx(share.max(), rel=1e-3)
 
@@ -73,7 +74,8 @@ def joint_odds(alone, borders):
     spread = np.hypot(alone.spread, contacts._UNSEEN)
     off = (wraps - alone.mean[:, None]) / spread[:, None]
     density = softmax(-(off**2) / 2, axis=1) + contacts._STRAY / 9
-    before = np.einsum("i,j,k->ijk", *density / (1 + contacts._STRAY))
+    density /= 1 + contacts._STRAY
+    before = np.einsum("i,j,k->ijk", *density)
     together = np.meshgrid(*wraps, indexing="ij")
     joint = before.copy()
     for a, b, step, odds in borders:
