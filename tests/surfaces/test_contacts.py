@@ -21,6 +21,7 @@ from cmtof.surfaces.fitting import move_surface
 from cmtof.surfaces.shapes import BENT
 
 REPEAT = 357.5  # wraps
+ANYWHERE = np.array([[-np.inf], [np.inf]])  # limits of every offset, wraps
 
 
 def between(*entries):
@@ -28,9 +29,7 @@ def between(*entries):
     return contacts.Borders(*np.array(numbers, int), odds)
 
 
-def place(found, borders, limits=None):
-    if limits is None:
-        limits = np.outer([-np.inf, np.inf], np.ones_like(found.mean))
+def place(found, borders, limits=ANYWHERE):
     return contacts.offsets_with_contacts(found, borders, limits, REPEAT)
 
 
