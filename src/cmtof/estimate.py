@@ -76,6 +76,12 @@ def within_range(depth: Array, measurement: Measurement) -> Array:
     return np.clip(depth, low, np.nextafter(high, low))
 
 
+def quotient(above: NDArray, below: Array, otherwise: float = 0.0) -> NDArray:
+    """Quotient of arrays, of the shape of ``below``; ``otherwise`` where that is not positive."""
+    found = np.full_like(below, otherwise, above.dtype)
+    return np.divide(above, below, out=found, where=below > 0)
+
+
 def nearest_pixel(wanted: Flags) -> tuple[Numbers, Numbers]:
     """Row and column (H, W) of the nearest wanted pixel; a pixel's own if none is wanted."""
     if not wanted.any():
@@ -139,14 +145,13 @@ def seen_noise(measurement: Measurement) -> Array:
     The noise s of a sample is that of the fit's residual, a the amplitude. It is one radian where
     only phases or three steps were kept, infinite without signal.
     """
-    known = measurement.amplitude > 0
     dataset = measurement.dataset
     if "correlation" not in dataset or dataset.sizes["step"] < 4:
-        return np.where(known, 1.0, np.inf)
+        return np.where(measurement.amplitude > 0, 1.0, np.inf)
     psi = dataset["psi"].to_numpy()
     sample = np.array([*map(_sample_noise, dataset["correlation"].to_numpy(), psi)])
     linear = np.sqrt(2 / psi.shape[1]) * sample[:, None, None]
-    return np.where(known, linear / np.where(known, measurement.amplitude, 1), np.inf)
+    return quotient(linear, measurement.amplitude, np.inf)
 
 
 def _sample_noise(images: NDArray, psi: Array) -> float:

@@ -10,6 +10,7 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import ArrayLike
 
+from cmtof.estimate import quotient
 from cmtof.types import Array, Numbers
 
 
@@ -45,9 +46,7 @@ def ratio_interval(
     part, whole = (np.asarray(x, float) for x in np.broadcast_arrays(part, whole))
 
     def ratio(above: Array, below: Array, axis: int = -1) -> Array:
-        total = below.sum(axis)
-        shares = np.zeros(total.shape)
-        return np.divide(above.sum(axis), total, out=shares, where=total > 0)
+        return quotient(above.sum(axis), below.sum(axis))
 
     known = whole.sum(-1) > 0
     value = np.where(known, ratio(part, whole), np.nan)

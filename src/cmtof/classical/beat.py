@@ -14,7 +14,7 @@ from scipy.ndimage import uniform_filter
 
 from cmtof.bounds import rounding_odds, wrap_noise
 from cmtof.correlation import TAU, centred, phase_from_depth, wrap_length
-from cmtof.estimate import Estimate, phase_noise, within_range
+from cmtof.estimate import Estimate, phase_noise, quotient, within_range
 from cmtof.measurement import Measurement
 from cmtof.types import Array, Arrays, Complex
 
@@ -125,12 +125,6 @@ def guides(measurement: Measurement) -> Array:
     return np.stack([bright, coherence, *slopes])
 
 
-def quotient(above: NDArray, below: Array, otherwise: float = 0.0) -> NDArray:
-    """Quotient of arrays of one shape; ``otherwise`` where ``below`` is not positive."""
-    found = np.full_like(above, otherwise)
-    return np.divide(above, below, out=found, where=below > 0)
-
-
 def steps(phasor: Complex, axis: int) -> Complex:
     """Phasor (H, W) of the next pixel along an axis times the pixel's conjugate; 0 at the end."""
     ahead = np.roll(phasor, -1, axis) * np.conj(phasor)
@@ -149,12 +143,14 @@ def guided_filter(
 
     mean_guide = np.stack([mean(one) for one in guide])
     mean_value = mean(values)
-    covariances = _covariances(mean, guide, mean_guide, smoothing)
     with_values = [
         mean(one * values) - m * mean_value
         for one, m in zip(guide, mean_guide, strict=True)
     ]
-    slope = _solve(covariances, np.stack(with_values, axis=-1))
+    # real and imaginary parts are right sides of their own
+    parts = np.stack(with_values, axis=-1)[..., None].view(float)
+    fit = np.linalg.solve(_covariances(mean, guide, mean_guide, smoothing), parts)
+    slope = np.moveaxis(fit.view(complex)[..., 0], -1, 0)
     flat = mean(mean_value - (slope * mean_guide).sum(axis=0))
     return flat + sum(map(np.multiply, map(mean, slope), guide))
 
@@ -169,13 +165,6 @@ def _covariances(
         spread[..., i, j] += mean(guide[i] * guide[j]) - middle[i] * middle[j]
         spread[..., j, i] = spread[..., i, j]
     return spread
-
-
-def _solve(matrix: Array, right_side: Complex) -> Complex:
-    """Solutions (G, H, W) of real linear systems (H, W, G, G) with right sides (H, W, G)."""
-    real_and_imaginary = np.stack([right_side.real, right_side.imag], axis=-1)
-    fit = np.linalg.solve(matrix, real_and_imaginary)
-    return np.moveaxis(fit[..., 0] + 1j * fit[..., 1], -1, 0)
 
 
 def beat_depth(phase: Array, measurement: Measurement) -> Array:

@@ -19,15 +19,10 @@ import numpy as np
 from numpy.lib.stride_tricks import sliding_window_view
 from scipy.ndimage import gaussian_filter, uniform_filter
 
-from cmtof.classical.beat import (
-    estimate_with_beat,
-    quotient,
-    steps,
-    synthetic_frequency,
-)
+from cmtof.classical.beat import estimate_with_beat, steps, synthetic_frequency
 from cmtof.compiled import njit
 from cmtof.correlation import TAU, depth_from_wraps, wrapped
-from cmtof.estimate import Estimate, within_range, wraps_in_range
+from cmtof.estimate import Estimate, quotient, within_range, wraps_in_range
 from cmtof.measurement import Measurement
 from cmtof.types import Array, Complex, Flags, Numbers, Single
 
@@ -118,8 +113,7 @@ def _phasors(measurement: Measurement) -> Complex:
 def _sharpness(size: Array, noise: Array) -> Array:
     """Weight kappa (H, W) of a beat by amplitudes (2, H, W) of its phasors and their noise (2,)."""
     # neighbours share what smoothing gained, so each gets the variance of a single pixel
-    every = np.broadcast_to(noise[:, None, None], size.shape)
-    variance = np.sum(quotient(every, size, np.inf) ** 2, axis=0)
+    variance = np.sum(quotient(noise[:, None, None], size, np.inf) ** 2, axis=0)
     return 1 / np.maximum(variance, 1 / _SHARPEST)
 
 

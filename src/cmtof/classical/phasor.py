@@ -12,12 +12,13 @@ of tens of thousands of entries: the beat selects a few wraps, both phases give 
 import numpy as np
 
 from cmtof.bounds import wrap_probability
-from cmtof.classical.beat import beat_depth, quotient
+from cmtof.classical.beat import beat_depth
 from cmtof.correlation import TAU, depth_from_phase, phase_from_depth, wrap_length
 from cmtof.estimate import (
     Estimate,
     guess_probability,
     phase_noise,
+    quotient,
     within_range,
     wraps_in_range,
 )

@@ -19,11 +19,16 @@ from cmtof.classical.beat import (
     beat_phasor,
     estimate_with_beat,
     guides,
-    quotient,
     synthetic_frequency,
 )
 from cmtof.correlation import TAU, depth_from_phase, phase_from_depth, wrap_length
-from cmtof.estimate import Estimate, guess_probability, nearest_pixel, within_range
+from cmtof.estimate import (
+    Estimate,
+    guess_probability,
+    nearest_pixel,
+    quotient,
+    within_range,
+)
 from cmtof.measurement import Measurement
 from cmtof.types import Array, Complex, Flags, Numbers
 
