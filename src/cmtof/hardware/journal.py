@@ -8,11 +8,12 @@ disk (fsync) before the scan goes on. What follows a line that is torn or damage
 import json
 import os
 import zlib
+from functools import partial
 from pathlib import Path
 
 import numpy as np
 
-from cmtof.files import AnyPath
+from cmtof.files import AnyPath, reading
 from cmtof.hardware.plan import Line, LineRecord, Plan
 from cmtof.types import Named
 
@@ -68,23 +69,21 @@ def resume_journal(path: Path, header: Named, plan: Plan) -> list[LineRecord]:
     if not path.stat().st_size:
         append_line(path, header)
     lines = whole_lines(path)
-    broken = ValueError(
-        f"Expected a journal of this scan, got another file or a damaged one, {path}. "
-        "Remove it, or restore it from a copy."
+    whole = partial(
+        reading,
+        "a whole journal of this scan",
+        path,
+        "Remove it, or restore it from a copy.",
     )
-    try:
+    with whole():
         old = json.loads(lines[0])
         old = old["settings"] | old
-    except (LookupError, RecursionError, TypeError, ValueError):
-        raise broken from None
     check_settings(path, old, header["settings"] | header)
-    try:
+    with whole():
         records = [
             _record(row, plan.lines[n], plan.kept.size)
             for n, row in enumerate(lines[1:])
         ]
-    except (ArithmeticError, LookupError, RecursionError, TypeError, ValueError):
-        raise broken from None
     # without a torn end
     os.truncate(path, sum(len(journal_line(line)) for line in lines))
     return records
