@@ -90,8 +90,8 @@ class Measurement:
             images = decode(self.dataset["correlation"], self.dataset["psi"])
             return Decoded(*(image.astype(float) for image in images))
         phase = self.dataset["phase"].to_numpy().astype(float)
-        stored = self._image("amplitude")
-        amplitude = np.ones_like(phase) if stored is None else stored.astype(float)
+        stored = self.dataset.get("amplitude", np.ones_like(phase))
+        amplitude = np.asarray(stored, float)
         known = np.isfinite(phase) & np.isfinite(amplitude)
         return Decoded(
             np.where(known, phase, 0),
@@ -117,8 +117,7 @@ class Measurement:
     @property
     def mask(self) -> Flags:
         """True (H, W) where a pixel is valid."""
-        mask = self._image("mask")
-        return np.ones(self.shape, bool) if mask is None else mask.astype(bool)
+        return np.array(self.dataset.get("mask", np.ones(self.shape)), bool)
 
     @property
     def camera(self) -> Array | None:

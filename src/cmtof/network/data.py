@@ -228,7 +228,7 @@ def _pack_of_leaves(config: Config) -> Pack:
         dead_leaves(default_rng([99, k]), side, config.protocol)
         for k in range(config.validation_views)
     ]
-    depth, light = map(np.stack, zip(*crops, strict=True))
+    depth, light = np.stack(crops, axis=1)
     return Pack(depth, light, np.full(len(crops), RELEASED_FAR_DEPTH))
 
 

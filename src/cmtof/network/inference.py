@@ -35,7 +35,6 @@ from cmtof.network.features import FULL_AMPLITUDE, features, padding
 from cmtof.network.weights import (
     FOLDER,
     Card,
-    WeightsRefused,
     find_weights,
     read_weights,
     reading_weights,
@@ -67,7 +66,7 @@ def read_graph(card: Card) -> bytes:
     """Content of a model's ONNX file, a graph without weights."""
     path = FOLDER / f"{card.model}.{card.protocol}.onnx.gz"
     if not path.is_file():
-        raise WeightsRefused("no such model")
+        raise ValueError("no such model")
     return gzip.decompress(path.read_bytes())
 
 

@@ -75,10 +75,6 @@ class Trained(NamedTuple):
     card: Card
 
 
-class WeightsRefused(RuntimeError):
-    """Error whose message is the reason why weights cannot be used."""
-
-
 def weights_path(model: str, protocol: str, folder: Path = FOLDER) -> Path:
     """Path of a model's weights in a folder; their card lies beside it as ``.json``."""
     return folder / f"{model}.{protocol}.safetensors"
@@ -146,14 +142,12 @@ def read_weights(path: Path) -> tuple[dict[str, NDArray], Card]:
     found = hashlib.sha256(content).hexdigest()
     with reading_weights(path, card):
         if (card.first_wrap, card.classes) != CLASSES[card.protocol]:
-            raise WeightsRefused(f"no such model with {card.classes} classes")
+            raise ValueError(f"no such model with {card.classes} classes")
         if found != card.sha256:
-            raise WeightsRefused(
-                f"the hash {found[:12]}… instead of {card.sha256[:12]}…"
-            )
+            raise ValueError(f"the hash {found[:12]}… instead of {card.sha256[:12]}…")
         arrays = load(content)
         if not all(np.isfinite(array).all() for array in arrays.values()):
-            raise WeightsRefused("NaN or infinity")
+            raise ValueError("NaN or infinity")
     return arrays, card
 
 
@@ -172,7 +166,7 @@ def load_weights(path: Path) -> Trained:
     arrays, card = read_weights(path)
     with reading_weights(path, card):
         if card.model not in MODELS:
-            raise WeightsRefused("no such model")
+            raise ValueError("no such model")
         network = build_network(card.model, card.protocol)
         network.load_state_dict(
             {name: torch.from_numpy(x) for name, x in arrays.items()}
