@@ -36,7 +36,7 @@ def reading(
     try:
         yield
     except Exception as error:  # each package raises half a dozen kinds
-        reason = (str(error).splitlines() or [type(error).__name__])[0][:120]
+        reason = " ".join(str(error).split())[:200] or type(error).__name__
         raise ValueError(
             f"Expected {expected}, got {path} ({reason}). {advice}"
         ) from error
@@ -204,7 +204,7 @@ def read_document(path: AnyPath) -> dict[str, Any]:
     import yaml
 
     data = read_small_file(path)
-    try:
+    with reading("YAML", path, "Correct it."):
         depth = 0
         for event in yaml.parse(data, Loader=yaml.SafeLoader):
             depth += isinstance(event, yaml.CollectionStartEvent)
@@ -212,11 +212,6 @@ def read_document(path: AnyPath) -> dict[str, Any]:
             if isinstance(event, yaml.AliasEvent) or depth > MOST_DEPTH:
                 raise ValueError(f"aliases or a depth above {MOST_DEPTH}")
         found = yaml.safe_load(data) or {}
-    except (yaml.YAMLError, ValueError) as error:
-        reason = " ".join(str(error).split())[:200]
-        raise ValueError(
-            f"Expected YAML in {path}, got {reason}. Correct it."
-        ) from error
     if not isinstance(found, dict) or not all(isinstance(name, str) for name in found):
         raise ValueError(
             f"Expected names and values in {path}, got something else. Correct it."

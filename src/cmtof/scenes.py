@@ -6,7 +6,7 @@ from typing import Any
 
 import numpy as np
 
-from cmtof.files import AnyPath, check_input
+from cmtof.files import AnyPath, check_input, reading
 from cmtof.frame import Frame, Frames, Source, embedded_frames, frame_from_npz
 from cmtof.hypersim import Hypersim, frame_of_file, is_hypersim
 from cmtof.images import frame_from_pair
@@ -141,15 +141,9 @@ def _tum_list(path: Path) -> dict[float, str]:
     """Image names by time, s, from a list such as ``depth.txt`` of the TUM benchmark."""
     lines = path.read_text("utf-8", errors="replace").splitlines()
     rows = [line.split() for line in lines if line.strip() and not line.startswith("#")]
-    try:
+    with reading("times and names of files below its folder", path):
         found = {float(row[0]): row[1] for row in rows}
-    except (IndexError, ValueError):
-        found = {0.0: ".."}
-    if any(
-        Path(name).is_absolute() or ".." in Path(name).parts for name in found.values()
-    ):
-        raise ValueError(
-            f"Expected times and names of files below its folder in {path}, got others. "
-            "Fetch it again."
-        )
+        for name in map(Path, found.values()):
+            if name.is_absolute() or ".." in name.parts:
+                raise ValueError(f"{name} lies elsewhere")
     return found

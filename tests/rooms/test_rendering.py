@@ -137,7 +137,7 @@ def test_a_set_of_other_settings_is_refused(rendered):
     ("name", "message"),
     [
         ("holiday.jpg", r"got other files in .* Choose another folder."),
-        ("rooms.json", r"Expected YAML in .*rooms.json"),
+        ("rooms.json", r"Expected YAML, got .*rooms.json"),
     ],
 )
 def test_a_folder_of_other_or_broken_files_is_refused(tmp_path, name, message):

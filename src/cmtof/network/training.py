@@ -16,7 +16,6 @@ from typing import Any
 import numpy as np
 import torch
 from lightning import LightningModule, Trainer
-from lightning.fabric.utilities.exceptions import MisconfigurationException
 from lightning.fabric.utilities.rank_zero import rank_zero_only
 from scipy.stats import ttest_1samp
 from torch import Tensor, nn
@@ -272,7 +271,8 @@ def train(
         module = Unwrapping(config, open_rooms(config, find_tree), last, init)
         if minutes is not None:
             module.end = module.began + 60 * minutes
-        trainer = _trainer(config, enable_progress_bar=not quiet, **flags)
+        flags |= {"precision": config.precision, "enable_progress_bar": not quiet}
+        trainer = _trainer(config, **flags)
         try:
             trainer.fit(module, ckpt_path=last if begun else None, weights_only=True)
         except SystemExit as stop:
@@ -313,10 +313,13 @@ def _check_checkpoint(last: Path, config: Config, resume: bool) -> None:
 def _trainer(config: Config, **flags: Any) -> Trainer:
     """Lightning's trainer; a ValueError if this machine lacks what the flags name."""
     on_gpu = torch.cuda.is_available() and flags.get("accelerator") != "cpu"
-    try:
+    with reading(
+        "accelerator, devices, strategy and precision that this machine has",
+        flags,
+        "Choose others.",
+    ):
         return Trainer(
             max_epochs=-(-config.steps // config.save_every),
-            precision=config.precision,  # type: ignore[arg-type]
             gradient_clip_val=2.0,
             reload_dataloaders_every_n_epochs=1,
             use_distributed_sampler=False,
@@ -326,11 +329,6 @@ def _trainer(config: Config, **flags: Any) -> Trainer:
             enable_model_summary=False,
             **flags,
         )
-    except (MisconfigurationException, TypeError, ValueError) as error:
-        raise ValueError(
-            "Expected accelerator, devices, strategy and precision that this machine has, "
-            f"got «{error}». Choose others."
-        ) from error
 
 
 def _card(module: Unwrapping) -> weights.Card:
