@@ -9,7 +9,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 from scipy import integrate, special
 
-from cmtof.constants import GAIN, INTEGRATION_TIME, NOISE_SIGMA
+from cmtof.constants import FULL_SIGNAL, NOISE_SIGMA
 from cmtof.correlation import TAU
 from cmtof.types import Array, Pair
 
@@ -79,7 +79,7 @@ def simulated_phase_noise(
     >>> round(float(simulated_phase_noise(1.0)), 3)
     0.134
     """
-    signal = GAIN * INTEGRATION_TIME * np.asarray(intensity, float)
+    signal = FULL_SIGNAL * np.asarray(intensity, float)
     return linear_phase_noise(signal / np.pi, signal / 2 + sigma**2, 4)
 
 

@@ -16,4 +16,5 @@ ADC_BITS = 14  # resolution of the analog-to-digital converter (Sec. 6.3)
 # of the simulation (Sec. 8.1)
 GAIN = 20.0  # sensor gain G
 INTEGRATION_TIME = 1000.0  # T in ms, the unit in which the paper puts it into Eq. 8
+FULL_SIGNAL = GAIN * INTEGRATION_TIME  # G T of a white surface, counts
 NOISE_SIGMA = 1200.0  # standard deviation of the Gaussian noise, counts

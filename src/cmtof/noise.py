@@ -15,7 +15,7 @@ from numpy.typing import ArrayLike
 from scipy import optimize, stats
 
 from cmtof.bounds import phase_spread
-from cmtof.constants import GAIN, INTEGRATION_TIME
+from cmtof.constants import FULL_SIGNAL
 from cmtof.correlation import TAU, wrapped
 from cmtof.types import Array, Complex, Shape
 
@@ -253,7 +253,7 @@ def sigma_from_phase_noise(phase_noise: float, *, intensity: ArrayLike = 1.0) ->
     >>> round(float(sigma_from_phase_noise(0.1347)), -1)
     1200.0
     """
-    signal = np.multiply(GAIN * INTEGRATION_TIME, intensity)
+    signal = np.multiply(FULL_SIGNAL, intensity)
     variance = 2 * (linear_from_spread(phase_noise) * signal / np.pi) ** 2
     rest = variance - signal / 2
     if not np.all(rest >= -1e-9 * variance):
@@ -273,4 +273,4 @@ def intensity_from_phase_noise(phase_noise: float, sigma: ArrayLike) -> Array:
     square = 2 * (linear_from_spread(phase_noise) / np.pi) ** 2
     root = np.sqrt(0.25 + 4 * square * np.square(sigma))
     signal = (0.5 + root) / (2 * square)
-    return signal / (GAIN * INTEGRATION_TIME)
+    return signal / FULL_SIGNAL

@@ -5,7 +5,13 @@ from typing import Literal
 import numpy as np
 from numpy.typing import ArrayLike
 
-from cmtof.constants import FREQUENCIES, GAIN, INTEGRATION_TIME, NOISE_SIGMA
+from cmtof.constants import (
+    FREQUENCIES,
+    FULL_SIGNAL,
+    GAIN,
+    INTEGRATION_TIME,
+    NOISE_SIGMA,
+)
 from cmtof.correlation import TAU, wrap_length
 from cmtof.detector import NoiseOrder, poisson_gaussian
 from cmtof.frame import Frame
@@ -90,7 +96,7 @@ def _means(frame: Frame, depth: Array, frequencies: Array, psi: Array) -> Single
     """Expected counts ``G T I (1/2 + cos(phi + psi) / pi)`` (F, K, H, W) at psi (F, K), float32."""
     # where no depth is known no light returns
     signal = np.where(np.isnan(depth), 0, np.clip(frame.intensity, 0, 1))
-    signal = GAIN * INTEGRATION_TIME * signal.astype(np.float32)
+    signal = FULL_SIGNAL * signal.astype(np.float32)
     turns = np.nan_to_num(depth) / wrap_length(frequencies)[:, None, None]
     # turns are reduced in double precision: 700 wraps in float32 would lose a milliradian
     angle = (TAU * (turns % 1)).astype(np.float32)[:, None]

@@ -14,7 +14,8 @@ import cmtof
 from cmtof.correlation import TAU
 from cmtof.files import exclusive_lock
 from cmtof.network import tuning
-from cmtof.network.data import WRAP, batch_at, open_rooms
+from cmtof.network.data import batch_at, open_rooms
+from cmtof.network.features import WRAP
 from cmtof.network.losses import IGNORED
 from cmtof.network.recipe import PRESETS, read_config
 from cmtof.network.training import Unwrapping, loss_of, train

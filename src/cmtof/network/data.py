@@ -12,19 +12,16 @@ from numpy.random import Generator, default_rng
 from torch import Tensor
 from torch.utils.data import default_collate
 
-from cmtof.constants import FREQUENCIES, GAIN, INTEGRATION_TIME, SPEED_OF_LIGHT
-from cmtof.correlation import TAU, wrap_length
+from cmtof.constants import FREQUENCIES, FULL_SIGNAL, SPEED_OF_LIGHT
+from cmtof.correlation import TAU
 from cmtof.frame import Frames, Source
 from cmtof.hypersim import Hypersim
 from cmtof.measurement import unambiguous_range
-from cmtof.network.features import CLASSES, features
+from cmtof.network.features import CLASSES, WRAP, features
 from cmtof.network.losses import IGNORED
 from cmtof.network.recipe import Config, Rooms
 from cmtof.simulation import RELEASED_FAR_DEPTH, released_scale
 from cmtof.types import Array, Arrays
-
-# Depth of a wrap of the lower frequency, m.
-WRAP = float(wrap_length(FREQUENCIES[0]))
 
 # Depth, m (NaN where unknown), and linear intensity, 0 to 1.
 Crop = Arrays
@@ -57,7 +54,7 @@ def phasors(batch: Batch) -> tuple[Tensor, Tensor, Tensor]:
     variance :math:`(GTI/2 + \sigma^2)/2`; the images' mean and alternating part have half of it.
     """
     light = torch.where(torch.isfinite(batch.depth), batch.intensity, 0.0)
-    signal = GAIN * INTEGRATION_TIME * light[:, None]
+    signal = FULL_SIGNAL * light[:, None]
     spread = torch.sqrt(signal / 4 + batch.sigma.view(-1, 1, 1, 1) ** 2 / 2)
     noise = (spread[:, None] * batch.noise).unbind(1)
     angle = _angles(batch)
@@ -74,9 +71,8 @@ def phasors(batch: Batch) -> tuple[Tensor, Tensor, Tensor]:
 
 def _angles(batch: Batch) -> Tensor:
     """Phases (B, 2, H, W), rad, with their errors; those of depth 0 where it is unknown."""
-    known = torch.isfinite(batch.depth)
     # turns are reduced in double precision: 700 wraps in float32 would lose a milliradian
-    depth = torch.where(known, batch.depth, 0.0).double()[:, None]
+    depth = batch.depth.nan_to_num().double()[:, None]
     tones = depth.new_tensor(FREQUENCIES)
     turns = depth * (2 * tones / SPEED_OF_LIGHT).view(-1, 1, 1)
     return (TAU * turns.frac()).float() + batch.offset[..., None, None]

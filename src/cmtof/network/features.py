@@ -6,19 +6,22 @@ from typing import Any
 
 import numpy as np
 
-from cmtof.constants import FREQUENCIES
+from cmtof.constants import FREQUENCIES, FREQUENCY_SINGLE, FULL_SIGNAL
 from cmtof.correlation import TAU, wrap_length
 from cmtof.measurement import unambiguous_range
 from cmtof.simulation import RELEASED_WRAPS
 
 Array = Any  # of NumPy or torch; the result is of the same kind
 
+# Depth of a wrap of the lower frequency, m.
+WRAP = float(wrap_length(FREQUENCY_SINGLE))
+
 # First wrap that a protocol distinguishes, and how many: 36 and 21, 0 and 358.
 CLASSES = {
     "released": (RELEASED_WRAPS[0], RELEASED_WRAPS[1] - RELEASED_WRAPS[0]),
     "full": (
         0,
-        int(np.ceil(unambiguous_range(FREQUENCIES) / wrap_length(FREQUENCIES[0]))),
+        int(np.ceil(unambiguous_range(FREQUENCIES) / WRAP)),
     ),
 }
 
@@ -42,7 +45,7 @@ IMAGES = {"fourier": 2 * (ORDER + 1), "edges": 4, "correlation": 4}
 NEIGHBOURS = ((0, 1), (1, 0), (1, 1), (-1, 1))
 
 # Amplitude of a white surface, G T / pi, counts.
-FULL_AMPLITUDE = 20 * 1000 / np.pi
+FULL_AMPLITUDE = FULL_SIGNAL / np.pi
 
 
 def padding(size: int, stride: int) -> int:

@@ -26,7 +26,7 @@ from onnxruntime import (
     create_and_register_allocator,  # pyright: ignore[reportAttributeAccessIssue]
 )
 
-from cmtof.constants import FREQUENCIES
+from cmtof.constants import FREQUENCIES, FREQUENCY_SINGLE
 from cmtof.correlation import centred, depth_from_wraps, wrap_length
 from cmtof.estimate import within_range, wraps_in_range
 from cmtof.files import AnyPath
@@ -129,7 +129,7 @@ def unwrap_with_network(
     card = ready.card
     if metadata_of(ready)["target"] == "depth":
         turns = card.classes * (0.5 + graph_output(ready, measurement, mirrored)[0])
-        depth = (card.first_wrap + turns) * wrap_length(FREQUENCIES[0])
+        depth = (card.first_wrap + turns) * wrap_length(FREQUENCY_SINGLE)
         confidence = np.full_like(depth, card.validation.delta_lt_1)
     else:
         wraps = np.full(measurement.shape, first)
@@ -139,7 +139,7 @@ def unwrap_with_network(
             for number in reversed(range(len(odds))):
                 wraps[rows][odds[number] == 0] = first + number
             confidence[rows] = 1 / np.exp(odds, out=odds).sum(0)  # a softmax, in place
-        depth = depth_from_wraps(measurement.phase[0], wraps, FREQUENCIES[0])
+        depth = depth_from_wraps(measurement.phase[0], wraps, FREQUENCY_SINGLE)
     return within_range(depth, measurement), confidence
 
 

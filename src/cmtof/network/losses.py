@@ -4,13 +4,13 @@ import torch
 from torch import Tensor
 from torch.nn import functional
 
-from cmtof.constants import FREQUENCIES
-from cmtof.correlation import TAU, wrap_length
+from cmtof.correlation import TAU
+from cmtof.network.features import WRAP
 
 IGNORED = -100  # label of a masked pixel, which costs nothing
 
 # Depth of one wrap of the lower frequency, mm: the paper's unit of depth (Sec. 5.3).
-WRAP_MM = 1e3 * float(wrap_length(FREQUENCIES[0]))
+WRAP_MM = 1e3 * WRAP
 
 
 def soft_argmax(weights: Tensor, hardness: float = 1.0) -> Tensor:

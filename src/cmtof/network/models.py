@@ -10,7 +10,7 @@ import torch
 from torch import Tensor, nn
 from torch.nn import functional
 
-from cmtof.constants import FREQUENCIES
+from cmtof.constants import FREQUENCY_DOUBLED, FREQUENCY_SINGLE
 from cmtof.correlation import TAU
 from cmtof.network.features import CLASSES, FEATURE_SETS, channels, padding
 from cmtof.network.layers import (
@@ -27,7 +27,7 @@ from cmtof.network.layers import (
 from cmtof.network.public import PublicPyramid
 
 # Change of the beat `phi_2 - 2 phi_1` from one wrap of the lower frequency to the next, rad.
-BEAT = TAU * (FREQUENCIES[1] / FREQUENCIES[0] - 2)
+BEAT = TAU * (FREQUENCY_DOUBLED / FREQUENCY_SINGLE - 2)
 
 # Factor of those first filters: norms divide it out, and the optimiser disturbs the sums less.
 LARGE = 8.0

@@ -10,12 +10,12 @@ from numpy.typing import NDArray
 from torch import nn
 from torch.utils.data import default_collate
 
-from cmtof.constants import FREQUENCIES
+from cmtof.constants import FREQUENCIES, FREQUENCY_SINGLE
 from cmtof.correlation import TAU
 from cmtof.measurement import Measurement
 from cmtof.network import weights
-from cmtof.network.data import WRAP, Sample
-from cmtof.network.features import features
+from cmtof.network.data import Sample
+from cmtof.network.features import WRAP, features
 from cmtof.network.inference import network_images
 from cmtof.network.losses import IGNORED
 from cmtof.network.models import Network
@@ -132,7 +132,7 @@ def _augmented_crop(view: tuple, network: Network, side: int, rng: Generator) ->
     move = 0.0
     if not more:  # raw correlations stay where they are
         move = rng.uniform(-turns[known].min(), network.classes - turns[known].max())
-    ratio = np.array(FREQUENCIES)[:, None, None] / FREQUENCIES[0]
+    ratio = np.array(FREQUENCIES)[:, None, None] / FREQUENCY_SINGLE
     label = label + np.floor(phase[0] / TAU + move).astype(int)
     label[~known | (label < 0) | (label >= network.classes)] = IGNORED
     phase = np.mod(phase + TAU * move * ratio, TAU).astype(np.float32)
