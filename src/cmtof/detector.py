@@ -46,7 +46,7 @@ def poisson_gaussian(
     mean = mean if mean.dtype == np.float32 else mean.astype(float)
     _check_counts(mean, sigma)
     gaussian = rng.standard_normal(mean.shape, dtype=mean.dtype.type)
-    gaussian *= mean.dtype.type(sigma)
+    gaussian *= float(sigma)
     if order == "released":
         gaussian += mean
         return rng.poisson(np.maximum(gaussian, 0)).astype(mean.dtype)

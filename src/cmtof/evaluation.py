@@ -51,15 +51,19 @@ def scored_pixels(result: xr.Dataset, measurement: Measurement) -> Pixels:
         raise ValueError(
             "Expected at least one scored pixel, got none. Check mask and range."
         )
+
+    def of_result(name: str) -> NDArray:
+        return result[name].to_numpy()[scored]
+
     frequency = measurement.frequencies[0]
     depth = truth[scored].astype(float)
     phase = measurement.phase[0][scored]
-    estimate = result["depth"].to_numpy()[scored].astype(float)
-    count = result["wrap_count"].to_numpy()[scored].astype(np.int64)
+    estimate = of_result("depth").astype(float)
+    count = of_result("wrap_count").astype(np.int64)
     true = wrap_count_from_depth(depth, frequency)
     sets = {}
     for level in ("90", "95") if "within_90" in result else ():
-        half_width = result[f"within_{level}"].to_numpy()[scored]
+        half_width = of_result(f"within_{level}")
         ends = np.clip(
             [count - half_width, count + half_width], *wraps_in_range(measurement)
         )
@@ -71,7 +75,7 @@ def scored_pixels(result: xr.Dataset, measurement: Measurement) -> Pixels:
         "consistent": consistent_wrap_count(estimate, phase, frequency),
         "true_consistent": consistent_wrap_count(depth, phase, frequency),
         "depth_error": estimate - depth,
-        "confidence": result["confidence"].to_numpy()[scored],
+        "confidence": of_result("confidence"),
     }
 
 

@@ -167,8 +167,9 @@ class Measurement:
         mean, phasor = np.nanmean(images, axis=(2, 3))[..., None]
         light = (mean + phasor * np.exp(1j * self.dataset["psi"])).real
         seen = self.dataset["correlation"]
-        left = seen - light.astype(seen.dtype)
-        return Measurement(self.dataset.assign(correlation=left))
+        return Measurement(
+            self.dataset.assign(correlation=seen - light.astype(seen.dtype))
+        )
 
     def _image(self, name: str) -> NDArray | None:
         return self.dataset[name].to_numpy() if name in self.dataset else None
@@ -289,8 +290,9 @@ def _open_npz(path: Path) -> Measurement:
         )
     optional = ("depth", "mask", "camera", "range_min", "range_max")
     more = {name: arrays[name][()] for name in optional if name in arrays}
-    stacks = map(arrays.__getitem__, needed)
-    return Measurement.from_arrays(*stacks, source=path.name, **more)
+    return Measurement.from_arrays(
+        *map(arrays.__getitem__, needed), source=path.name, **more
+    )
 
 
 def _open_capture(path: Path) -> Measurement:

@@ -277,9 +277,8 @@ def names_of(chosen: str, protocol: str = "released") -> list[str]:
         return list(
             dict.fromkeys(find_method(name.strip()).name for name in chosen.split(","))
         )
-    left_out = ("reference", "untrained", "no weights")
     return [
         name
         for name, method in METHODS.items()
-        if method.state(protocol) not in left_out
+        if method.state(protocol) not in ("reference", "untrained", "no weights")
     ]

@@ -207,7 +207,7 @@ def fit_line_noise(
     mask = np.asarray(mask, bool)
     measured = power_spectrum(residual, mask)
     level = np.sqrt(measured.mean())
-    response = fit_response((mask.shape[0], mask.shape[1]), window=window) ** 2
+    response = fit_response(measured.shape, window=window) ** 2
     passed = response > 0.5
     overlap = np.fft.ifft2(power_spectrum(mask, mask))
 

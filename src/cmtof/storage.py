@@ -35,8 +35,9 @@ def save_dataset(dataset: Dataset, path: AnyPath) -> None:
     check_output(path, ".nc")
     encoding = {name: {"zlib": True, "complevel": 1} for name in dataset.data_vars}
     attributes = {name: storable(value) for name, value in dataset.attrs.items()}
-    encoded = dataset.assign_attrs(attributes)
-    stored = encoded.to_netcdf(engine="h5netcdf", encoding=encoding)
+    stored = dataset.assign_attrs(attributes).to_netcdf(
+        engine="h5netcdf", encoding=encoding
+    )
     with atomic_output(path) as part:
         part.write_bytes(stored)
 

@@ -94,8 +94,9 @@ def beat_guided(measurement: Measurement) -> Estimate:
     phasor = beat_phasor(measurement)
     size = np.abs(phasor)
     weight = size / (size.mean() or 1.0) + 1e-6
-    unit = quotient(phasor, size)
-    filtered = guided_filter(unit, guides(measurement), weight, WINDOW, SMOOTHING)
+    filtered = guided_filter(
+        quotient(phasor, size), guides(measurement), weight, WINDOW, SMOOTHING
+    )
     return _estimate_from_mean(
         filtered * uniform_filter(size, WINDOW), size, WINDOW, measurement
     )

@@ -19,7 +19,11 @@ import numpy as np
 from numpy.lib.stride_tricks import sliding_window_view
 from scipy.ndimage import gaussian_filter, uniform_filter
 
-from cmtof.classical.beat import estimate_with_beat, steps, synthetic_frequency
+from cmtof.classical.beat import (
+    estimate_with_beat,
+    steps,
+    synthetic_frequency,
+)
 from cmtof.compiled import njit
 from cmtof.correlation import TAU, depth_from_wraps, wrapped
 from cmtof.estimate import Estimate, quotient, within_range, wraps_in_range

@@ -90,8 +90,9 @@ def measure(batch: Batch, *, inputs: str, protocol: str) -> Sample:
     scored = (turns >= 0) & (turns < min(classes, repeated))  # false for NaN
     label = torch.where(scored, turns.floor().long(), IGNORED)
     found = features(phase, amplitude, inputs, correlation)
-    last = found.contiguous(memory_format=torch.channels_last)
-    return Sample(last, label, phase[:, 0], turns)
+    return Sample(
+        found.contiguous(memory_format=torch.channels_last), label, phase[:, 0], turns
+    )
 
 
 def dead_leaves(rng: Generator, side: int, protocol: str) -> Crop:

@@ -186,8 +186,9 @@ class Unwrapping(LightningModule):
         for view in np.unique(places.round()).astype(int):
             crop = pack.staged_window(view, self.config.protocol)
             held = batch_of([(*crop, sigma, np.random.default_rng([7, view]))])
-            here = self.transfer_batch_to_device(held, self.device, 0)
-            sample = self.sample_from_batch(here)
+            sample = self.sample_from_batch(
+                self.transfer_batch_to_device(held, self.device, 0)
+            )
             with torch.inference_mode():
                 found = network(sample.inputs)
             turns = found[:, 0].floor().clamp(0, network.classes - 1)
