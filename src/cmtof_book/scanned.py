@@ -285,6 +285,7 @@ def trained_leg(
     """
     import torch
 
+    from cmtof.network.training import multiplies_bfloat16
     from cmtof.network.tuning import fine_tune
     from cmtof.network.weights import load_weights, save_weights
 
@@ -293,7 +294,7 @@ def trained_leg(
         model = trained.network.model
         trained.network.model = model._replace(depth_weight=DEPTH_WEIGHT)
         torch.set_num_threads(1)
-        half = torch.cpu.get_capabilities().get("avx512_bf16", False)
+        half = multiplies_bfloat16()
         # without a cache, which would keep the first step's weights for the whole block
         with torch.autocast("cpu", torch.bfloat16, half, cache_enabled=False):
             tuned, losses = fine_tune(trained, learnt, **options)

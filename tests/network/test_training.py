@@ -13,7 +13,7 @@ from refusals import WRONG, refused
 import cmtof
 from cmtof.correlation import TAU
 from cmtof.files import exclusive_lock
-from cmtof.network import tuning
+from cmtof.network import training, tuning
 from cmtof.network.data import batch_at, open_rooms
 from cmtof.network.features import WRAP
 from cmtof.network.losses import IGNORED
@@ -112,6 +112,15 @@ def test_what_this_machine_lacks_is_refused(tmp_path, config, precision, flags):
     with refused("Expected accelerator, devices, strategy and precision"):
         changed = config.model_copy(update={"precision": precision})
         train(changed, tmp_path, quiet=True, **flags)
+
+
+@mark.parametrize("fast, wanted", [(True, "bf16-mixed"), (False, "32-true")])
+def test_a_slow_processor_is_spared_bfloat16(monkeypatch, fast, wanted):
+    monkeypatch.setattr(torch.cpu, "get_capabilities", lambda: {"avx512_bf16": fast})
+    trainer = training._trainer(
+        read_config("cpu"), precision="bf16-mixed", accelerator="cpu"
+    )
+    assert trainer.precision == wanted
 
 
 @mark.parametrize("name", ["fast-scnn", "deep-tof", "rapid"])

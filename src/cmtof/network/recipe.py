@@ -71,7 +71,7 @@ class Config(Strict):
     # standard deviation of each phase's error of calibration, drawn for each crop, rad
     offset: NonNegativeFloat = 0.0
     optimizer: Literal["adamw", "muon"] = "adamw"
-    precision: str = "bf16-mixed"  # Lightning's
+    precision: str = "bf16-mixed"  # Lightning's, or single where that is faster
     save_every: PositiveInt = 250  # steps
     validate_every: PositiveInt = 4  # checkpoints
     validation_views: PositiveInt = 32

@@ -53,6 +53,11 @@ def loss_of(network: Network, sample: Sample) -> Tensor:
     return regression_loss(found, label, turns, network.classes, model.smoothness)
 
 
+def multiplies_bfloat16() -> bool:
+    """Whether the processor does; others need six times as long as for single precision."""
+    return torch.cpu.get_capabilities().get("avx512_bf16", False)
+
+
 def norms(network: nn.Module) -> list[nn.BatchNorm2d]:
     """Batch norms of a network."""
     return [layer for layer in network.modules() if isinstance(layer, nn.BatchNorm2d)]
@@ -314,6 +319,8 @@ def _check_checkpoint(last: Path, config: Config, resume: bool) -> None:
 def _trainer(config: Config, **flags: Any) -> Trainer:
     """Lightning's trainer; a ValueError if this machine lacks what the flags name."""
     on_gpu = torch.cuda.is_available() and flags.get("accelerator") != "cpu"
+    if not on_gpu and not multiplies_bfloat16():
+        flags["precision"] = flags["precision"].replace("bf16-mixed", "32-true")
     with reading(
         "accelerator, devices, strategy and precision that this machine has",
         flags,
