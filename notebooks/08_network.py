@@ -17,6 +17,7 @@ draws: int = 2000  # sets of scenes drawn for the intervals
 small: tuple = (256, 256)  # sizes to time, px: the paper's smaller
 large: tuple = (768, 1024)  # and its larger
 runs: int = 3  # runs of each, of which the median is shown
+recipe: str = "miniature"  # of the training on this page: a name or a file
 results: str = "../book/results/table2_released_1200.json"  # of all test frames
 
 # %% tags=["hide-input"]
@@ -254,9 +255,10 @@ for level in (1.0, 0.3, 0.1):
 # instead of 1200. The full recipe continues with rooms.
 
 # %%
-config = read_config("miniature", seed=seed)
-folder = Path(tempfile.mkdtemp())
-miniature = read_card(train(config, folder, quiet=True, accelerator="cpu", devices=1))
+config = read_config(recipe, seed=seed)
+miniature = read_card(
+    train(config, Path(tempfile.mkdtemp()), quiet=True, accelerator="cpu", devices=1)
+)
 best = max(miniature.trivial.values(), key=lambda found: found.delta_lt_1)
 reached, constant = (100 * one.delta_lt_1 for one in (miniature.validation, best))
 gain = [100 * x for x in miniature.gain]
