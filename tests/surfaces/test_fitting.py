@@ -11,6 +11,7 @@ from exact_scenes import (
 from numpy.testing import assert_allclose
 from pytest import approx, fixture, mark
 
+from cmtof.surfaces import fitting
 from cmtof.surfaces.blocks import SIDE, Region, cell_likelihood, region_of_boxes
 from cmtof.surfaces.field import pixels_of_cells
 from cmtof.surfaces.fitting import (
@@ -79,7 +80,7 @@ def test_sums_are_those_of_the_likelihood(rng):
 
 def test_information_is_that_of_the_derivatives(steep):
     q, field = steep
-    *_, found = evaluate_fit(field, WHOLE, q, BENT).moments
+    *_, found = fitting._moments(field, WHOLE, q)
     slopes = depth_of(field, q) ** 2 * field.cosine * functions(field)
     matrix = np.einsum(
         "iyx,fyx,f,jyx", slopes, field.information, field.wavenumber**2, slopes
@@ -90,7 +91,7 @@ def test_information_is_that_of_the_derivatives(steep):
 def test_the_gradient_is_that_of_the_likelihood(steep, rng):
     q, field = steep
     q += rng.normal(0, 1e-4, BENT)
-    _, gradient, _, found = evaluate_fit(field, WHOLE, q, BENT).moments
+    _, gradient, _, found = fitting._moments(field, WHOLE, q)
     rises = [
         likelihood(field, q + step) - likelihood(field, q - step)
         for step in 1e-6 * np.eye(BENT)
@@ -123,8 +124,7 @@ def test_fits_hop_over_whole_wraps(wraps):
     field = field_of(depth)
     start, _ = move_surface(field, q, BOXES, PLANE, wraps * WRAP)
     assert np.mean(depth_of(field, start) - depth) == approx(wraps * WRAP, rel=0.02)
-    fit = refine(field, WHOLE, evaluate_fit(field, WHOLE, start, PLANE), 8)
-    assert misses(field, fit.q, depth)[0] < 1e-6
+    assert misses(field, refine(field, WHOLE, start, PLANE, 8).q, depth)[0] < 1e-6
 
 
 @mark.parametrize("turns", [0, 1])  # a pixel that the start is off

@@ -21,7 +21,7 @@ from cmtof.surfaces.shapes import (
     is_possible,
     solve,
 )
-from cmtof.types import Array, Arrays, Numbers
+from cmtof.types import Array, Numbers
 
 # As NumPy's integers, for Numba compiles a function again for every literal that it is given.
 HOPS = np.int64(60)  # largest hop, wraps
@@ -34,8 +34,6 @@ class Fit(NamedTuple):
     """A surface, its likelihood, and what would make it larger."""
 
     q: Array
-    size: np.int64  # parameters that may change, the first ones
-    moments: Arrays  # as `_moments` has them
     likelihood: float  # S
     most: float  # E
     step: Array  # of the parameters, by Gauss and Newton
@@ -45,7 +43,7 @@ class Fit(NamedTuple):
 
 @njit()
 def _moments(field, region, q):  # pragma: no cover - compiled
-    """Sums over pixels: S, E, b, c (4,), g (6,), h (6,), and the lower half of M (6, 6)."""
+    """Sums over rectangles: S, E, b, c (4,), g (6,), h (6,), and the lower half of M (6, 6)."""
     places = blocks_of_boxes(region.boxes)
     total, known = block_sums(field, region, q, places)
     functions = functions_of_blocks(field, places)
@@ -118,31 +116,25 @@ def _from_middle(first):  # pragma: no cover - compiled
 
 @njit()
 def evaluate_fit(field, region, q, size):  # pragma: no cover - compiled
-    """Likelihood of a surface, and the step of its first parameters that raises it."""
-    return fit_from_moments(q, _moments(field, region, q), size)
-
-
-@njit()
-def fit_from_moments(q, moments, size):  # pragma: no cover - compiled
-    """Fit of the first parameters of a surface.
+    """Likelihood of a surface, and the step of its first parameters that raises it.
 
     After m wraps and a change dq the phases fit as ``sum K (e + m t - k J dq)^2``; with the best
     dq a parabola in m is left, ``known (m - offset)^2``.
     """
-    sums, g, h, matrix = moments
+    sums, g, h, matrix = _moments(field, region, q)
     share = min(max(sums[0] / max(sums[1], 1e-9), 0.3), 1.0)
-    g = g / share
+    g /= share
     step = solve(matrix, g, size)
     shift = solve(matrix, h, size)  # zero beyond these parameters
     known = max(sums[3] - np.sum(h * shift), 1e-12)
     offset = -(sums[2] / share - np.sum(g * shift)) / known
-    return Fit(q, size, moments, sums[0], sums[1], step, offset, known * share)
+    return Fit(q, sums[0], sums[1], step, offset, known * share)
 
 
 @njit()
-def change_by_a_wrap(moments, weight):  # pragma: no cover - compiled
+def change_by_a_wrap(field, region, q, weight):  # pragma: no cover - compiled
     """Change (3,), 1 / m, of a plane moved by a wrap, and its fit's covariance (3, 3), 1 / m^2."""
-    _, _, h, matrix = moments
+    _, _, h, matrix = _moments(field, region, q)
     out = np.empty((4, 3))
     out[0] = solve(matrix, h, PLANE)[:3]
     for i in range(3):
@@ -153,14 +145,9 @@ def change_by_a_wrap(moments, weight):  # pragma: no cover - compiled
 @njit()
 def climb(field, region, q, size, steps):  # pragma: no cover - compiled
     """Climb by Gauss-Newton steps, as long as S grows by 0.01."""
-    return _climb_on(field, region, evaluate_fit(field, region, q, size), steps)
-
-
-@njit()
-def _climb_on(field, region, best, steps):  # pragma: no cover - compiled
-    """Climb from a fit, as `climb` does."""
+    best = evaluate_fit(field, region, q, size)
     for _ in range(steps):
-        there = evaluate_fit(field, region, best.q + best.step, best.size)
+        there = evaluate_fit(field, region, best.q + best.step, size)
         if there.likelihood <= best.likelihood + 0.01:
             break
         best = there
@@ -168,16 +155,16 @@ def _climb_on(field, region, best, steps):  # pragma: no cover - compiled
 
 
 @njit()
-def refine(field, region, start, steps):  # pragma: no cover - compiled
-    """Climb from a fit, then hop by whole wraps."""
-    best = _climb_on(field, region, start, steps)
+def refine(field, region, q, size, steps):  # pragma: no cover - compiled
+    """Climb, then hop by whole wraps."""
+    best = climb(field, region, q, size, steps)
     for _ in range(5):
         whole = min(max(np.rint(best.offset), -HOPS), HOPS)
         if whole == 0:
             break
         distance = whole * field.period
-        q = move_surface(field, best.q, region.boxes, best.size, distance, UPRIGHT)[0]
-        there = climb(field, region, q, best.size, np.int64(3))
+        start = move_surface(field, best.q, region.boxes, size, distance, UPRIGHT)[0]
+        there = climb(field, region, start, size, np.int64(3))
         if there.likelihood <= best.likelihood:
             break
         best = there
@@ -197,8 +184,7 @@ def _straighten(field, region, bent, plane, steps):  # pragma: no cover - compil
     for _ in range(2):
         i = np.argmin(near)
         if near[i] < ASTRAY * TAU / field.wavenumber[0]:
-            start = evaluate_fit(field, region, planes[i], PLANE)
-            there = refine(field, region, start, steps)
+            there = refine(field, region, planes[i], PLANE, steps)
             plane = there if there.likelihood > plane.likelihood else plane
         near[i] = np.inf
     return plane
@@ -221,15 +207,12 @@ def fit_plane_or_bent(
     that is looked at.
     """
     was_bent = q[3:].any()
-    start = evaluate_fit(field, region, q, BENT if was_bent else PLANE)
-    before = refine(field, region, start, steps)
+    before = refine(field, region, q, BENT if was_bent else PLANE, steps)
     plane = before
     if was_bent:
-        flat = move_surface(field, before.q, region.boxes, PLANE, 0.0, UPRIGHT)[0]
-        start = evaluate_fit(field, region, flat, PLANE)
-        plane = refine(field, region, start, steps)
-    start = fit_from_moments(plane.q, plane.moments, BENT)
-    bent = refine(field, region, start, steps)
+        start = move_surface(field, before.q, region.boxes, PLANE, 0.0, UPRIGHT)[0]
+        plane = refine(field, region, start, PLANE, steps)
+    bent = refine(field, region, plane.q, BENT, steps)
     if bent.likelihood <= before.likelihood:
         bent = before
     if (bent.likelihood - plane.likelihood) * weight > gain:
@@ -274,7 +257,7 @@ def _fit_one(field, region, q, steps, gain, weight):  # pragma: no cover - compi
         bend = np.sqrt(found.known / stiff)
         row[:4] = (found.offset, found.known * weight, missed, bend)
         if not found.q[PLANE:].any():
-            row[4:] = change_by_a_wrap(found.moments, weight).ravel()
+            row[4:] = change_by_a_wrap(field, region, found.q, weight).ravel()
         q[:] = found.q
     return row
 
