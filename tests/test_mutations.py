@@ -23,9 +23,9 @@ class Mistake(NamedTuple):
 
 MISTAKES = {
     "factor 2 in Eq. 4": Mistake(
-        "correlation.py",
-        "total = total + 2 * np.real(",
-        "total = total + np.real(",
+        "waveform.py",
+        "return mean + 2 * np.tensordot(",
+        "return mean + np.tensordot(",
         "test_correlation.py::test_harmonic_sum_equals_the_time_integral_of_any_waveforms",
     ),
     "sign of psi": Mistake(

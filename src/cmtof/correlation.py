@@ -12,6 +12,7 @@ from numpy.typing import ArrayLike
 
 from cmtof.constants import SPEED_OF_LIGHT
 from cmtof.types import Array, Numbers
+from cmtof.waveform import Harmonics, waveform_from_harmonics
 
 TAU = 2 * np.pi
 
@@ -20,8 +21,8 @@ TAU = 2 * np.pi
 
 
 def correlation_from_harmonics(
-    emitted: ArrayLike,
-    reference: ArrayLike,
+    emitted: Harmonics,
+    reference: Harmonics,
     *,
     phase: ArrayLike,
     psi: ArrayLike,
@@ -39,13 +40,10 @@ def correlation_from_harmonics(
     >>> float(correlation_from_harmonics([1, 0.5], [0.5, 0.5], phase=0.3, psi=-0.3))
     1.0
     """
-    p = np.asarray(emitted, complex)
-    r = np.asarray(reference, complex)
-    angle = np.add(phase, psi)
-    total = np.full(np.shape(angle), (p[0] * r[0]).real)
-    for k in range(1, min(p.size, r.size)):
-        total = total + 2 * np.real(p[k] * np.conj(r[k]) * np.exp(-1j * k * angle))
-    return total
+    count = min(np.size(emitted), np.size(reference))
+    return waveform_from_harmonics(
+        np.conj(emitted[:count]) * reference[:count], np.add(phase, psi)
+    )
 
 
 def correlation_from_phase(
