@@ -38,6 +38,14 @@ def test_from_frame_to_depth_and_points(succeeds):
     assert {*map(str, Path().iterdir())} == {"cloud.ply", "m.nc", "out.nc"}
 
 
+@mark.parametrize("known", [0, 1])
+def test_depth_is_written_where_no_truth_is_known(succeeds, measured, known):
+    truth = measured.dataset["depth"].where(measured.dataset["x"] < known)
+    Measurement(measured.dataset.assign(depth=truth)).save("m.nc")
+    assert ("δ<1" in succeeds("unwrap m.nc -o out.nc --method beat --tile 32")) == known
+    assert xr.load_dataset("out.nc").depth.notnull().any()
+
+
 def test_light_of_a_covered_beam_is_taken_away(succeeds, measured):
     dim = measured.dataset["correlation"] / 9
     covered = Measurement(measured.dataset.assign(correlation=dim))

@@ -45,7 +45,7 @@ def unwrap(
     or share, or a measurement that the method, or the covered beam, does not suit.
 
     On (y, x) the result has ``wrap_count``, the estimate of ``floor(phi / 2 pi)`` at the lowest
-    frequency, -1 where masked or without a phase; ``depth``, m, of the measured phase with the
+    frequency, -1 where masked; ``depth``, m, of the measured phase with the
     wraps consistent with it, NaN there; ``confidence`` in [0, 1]. ``surfaces`` and ``hybrid`` add
 
     - ``within_90`` and ``within_95``: how far, in wraps, the true count lies from ``wrap_count`` at

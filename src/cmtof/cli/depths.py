@@ -130,6 +130,8 @@ def _unwrap_one(
     advance: Callable[..., None],
 ) -> "Texts":
     """Unwrap a file; return its row of the table: cells by title."""
+    import numpy as np
+
     from cmtof.evaluation import Tally, scored_pixels
     from cmtof.pointcloud import write_ply
     from cmtof.unwrapping import unwrap_file
@@ -138,10 +140,10 @@ def _unwrap_one(
     valid = 0
     size = 0
     for share, opened, result in unwrap_file(path, target, **how):
-        kept = int(result.depth.notnull().sum())
-        valid += kept
-        size += opened.mask.size
-        if opened.depth is not None and kept:
+        kept = result.depth.notnull().to_numpy()
+        valid += int(kept.sum())
+        size += kept.size
+        if opened.depth is not None and np.isfinite(opened.depth[kept]).any():
             tally.add(scored_pixels(result, opened))
         if ply is not None:
             points = write_ply(
