@@ -159,6 +159,8 @@ def test_files_of_other_writers_open(write):
         (date(2026, 5, 3), "2026-05-03"),
         (Path("a.yml"), "a.yml"),
         ([1, "x"], '[1, "x"]'),
+        (np.array([True]), "[true]"),
+        (np.array(["2026-05-03"], "M8[D]"), '["2026-05-03"]'),
     ],
 )
 def test_anything_else_is_kept_as_an_attribute(value, kept):
@@ -179,6 +181,25 @@ def test_a_file_cannot_reach_into_another(reach):
         cmtof.open("m.nc")
 
 
+@mark.parametrize(
+    ("name", "values", "size", "unit"),
+    [
+        ("psi", PSI, 180 / np.pi, "degrees"),
+        ("frequencies", np.array(FREQUENCIES), 1e-9, "GHz"),
+        ("depth", 0.9 * ONES, 1e3, "mm"),
+    ],
+)
+def test_arrays_that_state_their_units_are_converted(name, values, size, unit):
+    stated = xr.DataArray(values * size, attrs={"units": unit})
+    xr.testing.assert_allclose(
+        made(**{name: stated}).dataset, made(**{name: values}).dataset
+    )
+
+
+def test_a_range_may_be_an_array_of_one_number():
+    assert made(range_min=np.array([0.5]), range_max=[1.2]).range == (0.5, 1.2)
+
+
 # --- what is wrong is said -----------------------------------------------------------------------
 
 
@@ -189,8 +210,9 @@ def test_a_file_cannot_reach_into_another(reach):
         ({"correlation": with_sample(np.inf)}, "finite correlation"),
         ({"correlation": with_sample(9.97e36)}, "correlation, got 1 others"),
         ({"correlation": stack().astype("datetime64[s]")}, "numbers as correlation"),
-        ({"frequencies": (7.15e9, 10**400)}, "numbers as frequencies"),
+        ({"frequencies": (7.15e9, 10**400)}, "numbers as frequency"),
         ({"depth": np.ones((2, 2))}, "one image size"),
+        ({"camera": np.eye(3)}, "camera with dimensions"),
         *WRONG["measurements"],
     ],
 )

@@ -44,9 +44,7 @@ UNITS = {
     },
     "m": {
         "m": 1.0,
-        "metre": 1.0,
-        "meter": 1.0,
-        "meters": 1.0,
+        **dict.fromkeys(("metre", "metres", "meter", "meters"), 1.0),
         "cm": 1e-2,
         "mm": 1e-3,
         "um": 1e-6,
@@ -162,6 +160,7 @@ def _check_range(dataset: Dataset) -> None:
             f"Expected attributes 0 <= range_min < range_max in m, got {ends}. "
             "Set the depths to choose from."
         )
+    dataset.attrs |= {"range_min": low, "range_max": high}
     wraps = high / wrap_length(dataset["frequency"].to_numpy()[0])
     if wraps > MOST_WRAPS:
         raise ValueError(

@@ -17,13 +17,13 @@ from numpy.typing import ArrayLike, NDArray
 from xarray import Dataset
 
 from cmtof.constants import FREQUENCY_SINGLE
-from cmtof.contract import STACK, VARIABLES, checked_dataset
+from cmtof.contract import VARIABLES, checked_dataset
 from cmtof.contract import unambiguous_range as unambiguous_range
 from cmtof.correlation import Decoded, decode
 from cmtof.files import AnyPath, check_input
 from cmtof.storage import load_into_memory, read_dataset, save_dataset
 from cmtof.types import Array, Fields, Flags, Named, Pair, Shape
-from cmtof.validation import checked_frequencies, numbers
+from cmtof.validation import numbers
 
 
 class Measurement:
@@ -48,17 +48,21 @@ class Measurement:
         (by default from 0 to where two frequencies repeat themselves); and anything else that the
         file should hold as an attribute.
         """
-        frequencies = checked_frequencies(frequencies)
-        psi = numbers(psi, "psi")
-        if psi.ndim == 1:
-            psi = np.broadcast_to(psi, (frequencies.size, psi.size))
+        steps = numbers(psi, "psi")
+        if steps.ndim == 1:
+            steps = np.broadcast_to(steps, (np.size(frequencies), steps.size))
         shape = np.shape(correlation)
-        if shape[:-2] != psi.shape:
+        if shape[:-2] != steps.shape:
             raise ValueError(
                 f"Expected correlation (F, K, H, W) and psi (F, K), got {shape}. "
                 "Put frequency and step first."
             )
-        coordinates = {"frequency": frequencies, "psi": (STACK[:2], psi)}
+        coordinates = {
+            "frequency": _variable(
+                "frequency", np.atleast_1d(frequencies), frequencies
+            ),
+            "psi": _variable("psi", steps, psi),
+        }
         return cls(_dataset({"correlation": correlation}, coordinates, more))
 
     @classmethod
@@ -71,9 +75,9 @@ class Measurement:
         **more: Any,
     ) -> "Measurement":
         """Measurement of phase maps (F, H, W), rad, where correlations were not kept."""
-        frequencies = checked_frequencies(frequencies)
         variables = {"phase": phase, "amplitude": amplitude}
-        return cls(_dataset(variables, {"frequency": frequencies}, more))
+        frequency = _variable("frequency", np.atleast_1d(frequencies), frequencies)
+        return cls(_dataset(variables, {"frequency": frequency}, more))
 
     @cached_property
     def frequencies(self) -> Array:
@@ -233,7 +237,8 @@ def _dataset(variables: Fields, coordinates: Named, more: Fields) -> Dataset:
         if (valid := _valid_pixels(arrays, mask)) is not None:
             arrays["mask"] = valid
         images = {
-            name: (VARIABLES[name].dims, np.asarray(arrays[name])) for name in arrays
+            name: _variable(name, np.asarray(values), values)
+            for name, values in arrays.items()
         }
         return Dataset(images, coordinates, attributes)
     except ValueError as error:
@@ -243,6 +248,17 @@ def _dataset(variables: Fields, coordinates: Named, more: Fields) -> Dataset:
         raise ValueError(
             f"Expected arrays of one image size, got others ({reason}). Check shapes."
         ) from None
+
+
+def _variable(name: str, array: NDArray, given: ArrayLike) -> tuple:
+    """Dimensions, array, and attributes that were given; a ValueError if it has other axes."""
+    dims: Any = VARIABLES[name].dims
+    if array.ndim != len(dims):
+        raise ValueError(
+            f"Expected {name} with dimensions {dims}, got shape {array.shape}. "
+            "Add or take away an axis."
+        )
+    return dims, array, getattr(given, "attrs", {})
 
 
 def _valid_pixels(
@@ -274,7 +290,7 @@ def open_measurement(path: AnyPath) -> Measurement:
     if path.suffix == ".csv":
         return _open_capture(path)
     raise ValueError(
-        f"Expected a file named *.nc, *.npz or *_phase.csv, got {path.name}. Convert it first."
+        f"Expected a file named *.nc, *.npz or *_phase.csv, got {path.name}. Rename or convert it."
     )
 
 

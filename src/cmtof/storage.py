@@ -46,6 +46,8 @@ def storable(value: Any) -> Any:
     """The value as netCDF can store it: numbers and text as they are, others as JSON or text."""
     if isinstance(value, bool | np.bool_):
         return int(value)
+    if isinstance(value, np.ndarray) and value.dtype.kind not in "iuf":
+        value = value.tolist()
     if isinstance(value, list | tuple):
         kinds = {type(one) for one in value}
         if value and (kinds <= {int, float} or kinds == {str}):
