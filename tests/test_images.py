@@ -128,6 +128,21 @@ def test_depth_without_light_is_refused():
         load_frame(depth, intensity="fake.png")
 
 
+def test_levels_that_would_be_stretched_are_refused():
+    Path("d.pgm").write_bytes(b"P5 16 12 4095 " + levels(1000).byteswap().tobytes())
+    with refused("largest level is neither 255 nor 65535"):
+        load_frame("d.pgm", intensity=write("light.png", LIGHT))
+
+
+@mark.parametrize(
+    "options", [{"planar": True}, {"depth_scale": 5.0}, {"intensity": "a"}]
+)
+def test_options_that_a_folder_of_archives_cannot_use_are_refused(tmp_path, options):
+    np.savez(tmp_path / "a.npz", depth=DEPTH, intensity=DEPTH / 9)
+    with refused("Leave these out"):
+        load_frame(tmp_path, **options)
+
+
 def test_pairs_of_a_folder_are_read_in_the_order_of_their_numbers(tmp_path):
     depth = levels(1000)
     depth[0, 0] = 0
@@ -197,6 +212,8 @@ def test_a_tum_sequence_is_read_as_downloaded(tum):
     assert [round(float(frame.intensity[0, 0]), 1) for frame in frames] == [0.5, 1.0]
     wide = frames_in(tum, camera=[8.0, 8.0, 8.0, 6.0])[0].load()
     assert (wide.depth > frames[0].depth).all()
+    with refused("for planar depth a camera"):
+        load_frame(tum, planar=True)
 
 
 def test_evaluate_reads_images_as_told_and_stores_what_is_odd(succeeds):

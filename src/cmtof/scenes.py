@@ -1,5 +1,6 @@
 """Frames of depth and light from files, folders, Hypersim and TUM data sets."""
 
+from collections.abc import Iterable
 from functools import partial
 from pathlib import Path
 from typing import Any
@@ -39,16 +40,12 @@ def load_frame(
     known = embedded_frames()
     path = known.get(str(source), Path(source))
     if path.is_dir():
-        return frames_in(path, **given)[0].load()
+        return frames_in(path, intensity=intensity, **given)[0].load()
     check_input(path, f"a frame file or one of {', '.join(known)}")
     if path.suffix in DEPTHS:
         return frame_from_pair(path, intensity, **given)
     camera = given.pop("camera", None)
-    if intensity or any(given.values()):
-        raise ValueError(
-            f"Expected light, scale and kind of depth within {path.name}, got them as options. "
-            "Leave these out."
-        )
+    _refuse_options(path, [intensity, *given.values()])
     if path.suffix == ".npz":
         return frame_from_npz(path, camera)
     if path.suffix == ".hdf5":
@@ -56,6 +53,15 @@ def load_frame(
     raise ValueError(
         f"Expected a frame named *.npz, *.png or *.depth_meters.hdf5, got {path.name}. Convert it."
     )
+
+
+def _refuse_options(path: Path, options: Iterable[Any]) -> None:
+    """Raise a ValueError if options are given for what says all by itself."""
+    if any(map(np.any, options)):
+        raise ValueError(
+            f"Expected light, scale and kind of depth within {path.name}, got them as options. "
+            "Leave these out."
+        )
 
 
 def frames_in(
@@ -75,12 +81,14 @@ def frames_in(
                 str(source), partial(load_frame, source, intensity=intensity, **given)
             )
         ]
+    _refuse_options(path, [intensity])
     if is_hypersim(path):
+        _refuse_options(path, given.values())
         return Hypersim(path).sources(blank=True)
     if (path / "depth.txt").is_file() and (path / "rgb.txt").is_file():
         return _tum_sequence(path, given)
     found = [
-        Source(p.stem, partial(frame_from_npz, p, given.get("camera")))
+        Source(p.stem, partial(load_frame, p, **given))
         for p in sorted(path.glob("*.npz"))
     ]
     found += _pairs(path, given)
@@ -118,7 +126,8 @@ def _tum_sequence(path: Path, options: Fields) -> list[Source]:
     colours = _tum_list(path / "rgb.txt")
     reading = options | {
         "depth_scale": options.get("depth_scale") or TUM_LEVELS,
-        "planar": options.get("camera") is not None,  # depth lies along the axis there
+        # depth lies along the axis there
+        "planar": options.get("planar") or options.get("camera") is not None,
     }
     times = np.array([*colours, np.inf])  # never near, where there is no colour
     found = []
