@@ -128,8 +128,15 @@ def test_depth_without_light_is_refused():
         load_frame(depth, intensity="fake.png")
 
 
-def test_levels_that_would_be_stretched_are_refused():
-    Path("d.pgm").write_bytes(b"P5 16 12 4095 " + levels(1000).byteswap().tobytes())
+@mark.parametrize(
+    "content",
+    [
+        b"P5 16 12 4095 " + levels(1000).byteswap().tobytes(),
+        b"P2 16 12 4095 " + b"1500 " * 192,
+    ],
+)
+def test_levels_that_would_be_stretched_are_refused(content):
+    Path("d.pgm").write_bytes(content)
     with refused("largest level is neither 255 nor 65535"):
         load_frame("d.pgm", intensity=write("light.png", LIGHT))
 

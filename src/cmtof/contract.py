@@ -149,7 +149,7 @@ def in_si_units(dataset: Dataset) -> Dataset:
 
 
 def _check_range(dataset: Dataset) -> None:
-    """Raise a ValueError unless range_min < range_max, within `MOST_WRAPS` wraps."""
+    """Make range_min < range_max, within `MOST_WRAPS` wraps, floats, or raise a ValueError."""
     ends = [dataset.attrs[key] for key in ("range_min", "range_max")]
     plain = all(
         np.size(end) == 1 and np.asarray(end).dtype.kind in "iuf" for end in ends

@@ -75,8 +75,10 @@ def read_image(path: Path) -> NDArray:
                 np.load(check_input(path), mmap_mode="r", allow_pickle=False)
             )
         with Image.open(check_input(path)) as image:
-            if image.tile[0][0] == "ppm":  # Pillow would stretch the levels
-                raise ValueError("its largest level is neither 255 nor 65535")
+            for codec, *_, how in image.tile:
+                # of others Pillow would stretch the levels
+                if codec.startswith("ppm") and how[-1] not in (255, 65535):
+                    raise ValueError("its largest level is neither 255 nor 65535")
             # palettes hold colour numbers, not levels
             pixels = np.asarray(
                 image.convert("RGB") if image.mode in ("P", "1") else image

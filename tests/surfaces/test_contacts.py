@@ -13,6 +13,7 @@ from exact_scenes import (
     plane_depth,
     whole_boxes,
 )
+from numpy.testing import assert_allclose, assert_array_equal
 from pytest import approx, mark
 from scipy.special import softmax
 
@@ -21,7 +22,7 @@ from cmtof.surfaces.fitting import move_surface
 from cmtof.surfaces.shapes import BENT
 
 REPEAT = 357.5  # wraps
-ANYWHERE = np.array([[-np.inf], [np.inf]])  # limits of every offset, wraps
+SURE = 0.99
 
 
 def between(*entries):
@@ -29,7 +30,9 @@ def between(*entries):
     return contacts.Borders(*np.array(numbers, int), odds)
 
 
-def place(found, borders, limits=ANYWHERE):
+def place(found, borders, limits=None):
+    if limits is None:
+        limits = np.outer([-np.inf, np.inf], np.ones_like(found.mean))
     return contacts.offsets_with_contacts(found, borders, limits, REPEAT)
 
 
@@ -61,8 +64,7 @@ def test_beliefs_along_a_chain_are_those_of_all_combinations(monkeypatch, border
     joint = joint_odds(alone, borders)
     found = place(alone, between(*borders))
     for n in range(3):
-        others = tuple({0, 1, 2} - {n})
-        share = joint.sum(axis=others) / joint.sum()
+        share = joint.sum(axis=tuple({0, 1, 2} - {n})) / joint.sum()
         assert found.wraps[n] == np.rint(alone.mean[n]) + share.argmax() - 4
         assert found.odds[n] == approx(share.max(), rel=1e-3)
 
@@ -73,8 +75,7 @@ def joint_odds(alone, borders):
     spread = np.hypot(alone.spread, contacts._UNSEEN)
     off = (wraps - alone.mean[:, None]) / spread[:, None]
     density = softmax(-(off**2) / 2, axis=1) + contacts._STRAY / 9
-    density /= 1 + contacts._STRAY
-    before = np.einsum("i,j,k->ijk", *density)
+    before = np.einsum("i,j,k->ijk", *density / (1 + contacts._STRAY))
     together = np.meshgrid(*wraps, indexing="ij")
     joint = before.copy()
     for a, b, step, odds in borders:
@@ -100,6 +101,19 @@ def test_a_wall_behind_leaves_keeps_its_offset():
     assert not found.wraps.any()
 
 
+@mark.parametrize(
+    ("mean", "spread", "odds", "second"),
+    [
+        ([0, 9], [0.3, 0.3], SURE, 9),  # they disagree
+        ([0.1, 0.8], [0.1, 0.5], 0.01, 1),
+        ([0.1, 0.8], [0.1, 0.5], SURE, 0),
+    ],
+)
+def test_none_are_tied_that_disagree_or_against_the_odds(mean, spread, odds, second):
+    found = place(known(mean, spread), between((0, 1, 0, odds)))
+    assert found.wraps.tolist() == [0, second]
+
+
 def test_no_surface_has_no_offset():
     assert place(known([], []), between()).wraps.size == 0
 
@@ -109,3 +123,21 @@ def test_offsets_stay_within_the_limits_and_find_their_beat():
     found = place(known([4.0, 0.2, 0.0], [3.0, 0.3, 0.3]), between(), limits)
     assert -3 < found.wraps[0] < 3
     assert found.wraps[1:].tolist() == [np.rint(0.2 + REPEAT), 0]
+
+
+@mark.parametrize("count", [2, 5, 9])
+def test_neither_the_order_of_borders_nor_their_sides_matter(rng, count):
+    true = rng.integers(-20, 20, count)
+    spread = rng.uniform(0.05, 2, count)
+    told = [
+        (a, b, true[b] - true[a] + rng.integers(-1, 2), rng.random())
+        for a, b in combinations(range(count), 2)
+        if rng.random() < 0.7
+    ]
+    turned = [(b, a, -step, odds) for a, b, step, odds in told]
+    rng.shuffle(turned)
+    found = known(true + spread * rng.normal(size=count), spread)
+    once = place(found, between(*told))
+    again = place(found, between(*turned))
+    assert_array_equal(again.wraps, once.wraps)
+    assert_allclose(again.share, once.share, atol=1e-9)

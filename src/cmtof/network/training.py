@@ -54,7 +54,7 @@ def loss_of(network: Network, sample: Sample) -> Tensor:
 
 
 def multiplies_bfloat16() -> bool:
-    """Whether the processor does; others need six times as long as for single precision."""
+    """Whether the processor has instructions for it; without them single precision is faster."""
     return torch.cpu.get_capabilities().get("avx512_bf16", False)
 
 

@@ -14,7 +14,7 @@ from cmtof.correlation import TAU
 from cmtof.surfaces.beats import information_of_beats
 from cmtof.surfaces.field import Field
 from cmtof.surfaces.roughness import turn_back
-from cmtof.types import Array, Arrays, Complex, Flags, Numbers
+from cmtof.types import Array, Arrays, Flags, Numbers
 
 # information of a pixel's beat, 1 / wraps^2, from which on it may vote and be voted on: 4 wraps,
 CLEAR = 1 / 16
@@ -71,7 +71,7 @@ def depth_by_votes(
     explained = explained & (~clear | (close >= _MOST))
     asked = ~explained & clear
     step = abs(field.excess)  # of the misfit from wrap to wrap, turns
-    low, high = _turns(field.phasor, asked)
+    low, high = np.angle(field.phasor).astype(float) / TAU
     ballot = Ballot(
         asked,
         np.mod(low, 1),
@@ -89,13 +89,6 @@ def depth_by_votes(
 def _is_close(turned: Array) -> Flags:
     """Whether both phases of pixels (2, H, W), turned back by a surface, are close to its own."""
     return (np.abs(turned.imag) < np.tan(_ASTRAY) * turned.real).all(axis=0)
-
-
-def _turns(phasor: Complex, chosen: Flags) -> Array:
-    """Phases (2, H, W), turns, of chosen pixels."""
-    out = np.zeros(phasor.shape)
-    out[:, chosen] = np.angle(phasor[:, chosen])
-    return out / TAU
 
 
 @njit()
