@@ -77,7 +77,7 @@ def read_image(path: Path) -> NDArray:
         with Image.open(check_input(path)) as image:
             for codec, *_, how in image.tile:
                 # of others Pillow would stretch the levels
-                if codec.startswith("ppm") and how[-1] not in (255, 65535):
+                if codec.startswith("ppm") and how[-1] not in (255, 65535):  # pyright: ignore[reportOptionalSubscript]
                     raise ValueError("its largest level is neither 255 nor 65535")
             # palettes hold colour numbers, not levels
             pixels = np.asarray(
