@@ -117,7 +117,6 @@ OTHERS = [
     "u-net",
     "deep-tof",
     "beat",
-    "beat-guided",
     "region",
     "mrf",
 ]
@@ -148,8 +147,7 @@ draw("fig10_others", OTHERS, "Other methods, and references.", folded=True)
 # correlations; here all of these networks do. The random field takes its two-frequency term from
 # [Valadão and Bioucas-Dias 2009](../book/references.bib#valadao2009), its solvers from
 # [Hirschmüller 2008](../book/references.bib#hirschmuller2008) and [Bioucas-Dias and Valadão
-# 2007](../book/references.bib#bioucas2007); averages stop at edges as in [He et al.
-# 2013](../book/references.bib#he2013).
+# 2007](../book/references.bib#bioucas2007).
 
 # %% tags=["hide-input"]
 rows = [

@@ -148,7 +148,8 @@ views.show_scene("scene_room", title="the room")
 #    that a leak into a surface behind it, in phase by chance, ends after a few cells.
 # 3. **Pixels.** Each pixel takes the most likely surface around it, over a square of 5 px. Planes
 #    that are whole wraps apart, as a curtain before a wall, have the same phases and grow as one;
-#    such a surface is split where the beat of its cells steps.
+#    such a surface is split where the beat of its cells steps. So is one whose pieces do not touch,
+#    if fits of their own explain them much better.
 # 4. **Offsets.** Every surface is fitted to its interior; the beat and the shape give its whole
 #    wraps, with an uncertainty. Pixels across an outline have the beat of neither side; where they
 #    are more than three deviations off, they hardly count. Where walls are uneven, shape says
@@ -343,7 +344,6 @@ SHOWN = (
     "kde",
     "kde-tuned",
     "beat",
-    "beat-guided",
     "region",
     "mrf",
     "mrf-graphcut",

@@ -15,7 +15,6 @@ from cmtof.measurement import Measurement
 
 FAST = [
     "beat",
-    "beat-guided",
     "crt",
     "crt-closed-form",
     "crt-ml",
@@ -29,10 +28,10 @@ FAST = [
     "surfaces",
 ]
 EDGE = 6  # px of junk around an image
-LEAST = {"fast-scnn-light": 0.75, "beat-guided": 0.8, "surfaces": 0.8, "beat": 0.85}
+LEAST = {"fast-scnn-light": 0.75, "surfaces": 0.8, "beat": 0.85}
 """Share of wraps that stay under a change which a method knows of: a network was trained on images
-that stand upright, in the counts of the simulation; windows end otherwise where junk begins, the
-slopes that guide lie half a pixel beside, and surfaces grow from cells that begin elsewhere."""
+that stand upright, in the counts of the simulation; windows end otherwise where junk begins,
+and surfaces grow from cells that begin elsewhere."""
 
 
 @fixture(scope="module")

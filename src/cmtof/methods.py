@@ -10,7 +10,7 @@ from typing import Any
 import numpy as np
 
 from cmtof.classical import crt, kde, mrf, references, region, trivial
-from cmtof.classical.beat import beat, beat_guided, estimate_with_beat
+from cmtof.classical.beat import beat, estimate_with_beat
 from cmtof.classical.phasor import phasor
 from cmtof.estimate import Estimate, beat_repeats, without_holes, wraps_in_range
 from cmtof.files import AnyPath
@@ -150,15 +150,6 @@ _ALL = (
         wrap_memory=4,
     ),
     Method("beat", "classical", "Jongenelen et al. 2010", beat, one_beat=True),
-    Method(
-        "beat-guided",
-        "classical",
-        "He et al. 2013",
-        beat_guided,
-        memory=1000,
-        wrap_memory=4,
-        one_beat=True,
-    ),
     Method(
         "spatial", "classical", "Herraez et al. 2002", region.spatial, frequencies=1
     ),

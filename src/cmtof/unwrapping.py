@@ -174,6 +174,10 @@ def _unwrap_tiles(
     """Unwrap a file in tiles, each with a margin, px; yields as `unwrap_file` does."""
     import h5netcdf
 
+    if not str(source).endswith(".nc"):
+        raise ValueError(
+            f"Expected a .nc to read by tiles, got {source}. Leave the tiles out."
+        )
     with open_netcdf(source) as handle, atomic_output(output) as part:
         dataset = with_coordinates(handle)
         height = dataset.sizes["y"]

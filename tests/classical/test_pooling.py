@@ -3,7 +3,6 @@
 import numpy as np
 from numpy.testing import assert_allclose
 from pytest import approx, mark
-from scipy.ndimage import uniform_filter
 from scipy.stats import norm
 from scores import scores
 from walls import WRAP, flat_wall
@@ -11,7 +10,6 @@ from walls import WRAP, flat_wall
 import cmtof
 from cmtof import bounds
 from cmtof.classical import region
-from cmtof.classical.beat import guided_filter
 from cmtof.classical.kde import _largest_density, hypotheses
 from cmtof.constants import FREQUENCIES
 from cmtof.correlation import TAU, phase_from_depth
@@ -26,7 +24,6 @@ from cmtof.simulation import simulate
         "crt-ml",
         "crt-closed-form",
         "beat",
-        "beat-guided",
         "kde",
         "kde-tuned",
         "region",
@@ -48,15 +45,6 @@ def test_averages_divide_the_noise_by_the_side_of_the_window():
     noise = bounds.simulated_phase_noise(0.8) / 41
     odds = bounds.wrap_probability(noise, noise, frequencies=FREQUENCIES)
     assert rates[2] == approx(odds, abs=0.1)
-
-
-def test_guided_filter_passes_linear_functions_and_tends_to_the_mean(rng):
-    guide = rng.normal(size=(3, 40, 50))
-    linear = 1 - 1j + np.tensordot([1, -2, 3j], guide, 1)
-    found = guided_filter(linear, guide, rng.uniform(0.1, 1, linear.shape), 11, 1e-9)
-    assert_allclose(found, linear, atol=1e-5)
-    smooth = guided_filter(linear, guide, np.ones(linear.shape), 11, 1e9)
-    assert_allclose(smooth, uniform_filter(uniform_filter(linear, 11), 11), atol=1e-6)
 
 
 def densities(m, kernel, radius):

@@ -160,7 +160,7 @@ def foreign(rng, data):
     return data
 
 
-METHODS = "surfaces beat beat-guided crt crt-ml kde mrf mrf-graphcut middle region spatial mode"
+METHODS = "surfaces beat crt crt-ml kde mrf mrf-graphcut middle region spatial mode"
 
 
 def measurement(rng):

@@ -76,7 +76,7 @@ def test_classes_agree_with_the_measured_phase(stored, measurement, name):
     assert np.abs(centred(off)).max() < 1e-4
 
 
-@mark.parametrize("name", ["fast-scnn", "kde", "mrf", "beat-guided"])
+@mark.parametrize("name", ["fast-scnn", "kde", "mrf"])
 def test_what_would_take_too_much_memory_goes_in_tiles_like_the_whole(
     stored, monkeypatch, name
 ):

@@ -22,7 +22,7 @@ from cmtof.surfaces.blocks import region_of_boxes
 from cmtof.surfaces.field import CELL
 from cmtof.surfaces.fitting import change_by_a_wrap, move_surface
 from cmtof.surfaces.roughness import cells_of_surfaces
-from cmtof.surfaces.shapes import PLANE
+from cmtof.surfaces.shapes import PLANE, depth_of_labels
 
 INNER = np.zeros(SHAPE, np.int32)
 BOXES = whole_boxes()
@@ -35,7 +35,7 @@ def a_fit(missed=0.0):
 
 
 def beats_of(field, q):
-    depth = placing.depth_of_labels(field, INNER, q[None])
+    depth = depth_of_labels(field, INNER, q[None])
     return pooled_beats(field, cells_of_surfaces(field, INNER, depth, 1))
 
 
@@ -108,16 +108,6 @@ def test_the_roughness_of_a_surface_hardly_costs_its_beat_precision(rng):
     smooth = beat_noise(20.0)
     assert np.std(found, axis=0).max() < 2 * smooth
     assert_allclose(np.mean(found, axis=0), [0, 11], atol=3 * smooth)
-
-
-def test_two_planes_with_one_phase_are_cut_where_the_beat_steps(rng):
-    depth, q = plane_depth()
-    behind = COLUMNS >= 80
-    field = exact_field(depth + 5 * WRAP * behind, information=50.0, noise_of=rng)
-    main, surfaces = placing.cut_surfaces(field, INNER, q[None])
-    assert len(surfaces) == 2
-    same = np.mean((main > 0) == behind[::CELL])
-    assert max(same, 1 - same) > 0.97
 
 
 def test_planes_at_right_angles_place_each_other():

@@ -5,7 +5,6 @@
 the wrap of one pixel; averages do better.
 """
 
-from collections.abc import Callable
 from typing import NamedTuple
 
 import numpy as np
@@ -27,9 +26,6 @@ BIAS = 0.5
 # Odds that the beat confirms, and the share that was right by `region`, `mrf` and networks on
 # views of 27 training and validation rooms, without noise and at 300, 1200 and 2000 counts.
 CALIBRATION = ((0, 0.2, 0.5, 0.95, 1), (0.03, 0.14, 0.45, 0.8, 0.96))
-SMOOTHING = (
-    0.02  # variance of a guide below which a window is averaged rather than fitted
-)
 
 
 class Synthetic(NamedTuple):
@@ -71,101 +67,26 @@ def beat_phasor(measurement: Measurement) -> Complex:
 
 
 def beat(measurement: Measurement, *, window: int = WINDOW) -> Estimate:
-    """Depth of the beat averaged over a square of side ``window``, px, borders reflected."""
+    """Depth of the beat averaged over a square of side ``window``, px, borders reflected.
+
+    The confidence allows for noise and for depth that slopes.
+    """
     if window not in range(1, 10_000, 2):
         raise ValueError(
             f"Expected an odd window of 1 to 9999 px, got {window}. Try {WINDOW}."
         )
     phasor = beat_phasor(measurement)
-    return _estimate_from_mean(
-        uniform_filter(phasor, window), np.abs(phasor), window, measurement
+    mean = uniform_filter(phasor, window)
+    power = uniform_filter(np.abs(phasor) ** 2, window)
+    spread = noise_of_mean(mean, power, window**2)
+    depth = beat_depth(np.angle(mean), measurement)
+    wraps = depth / wrap_length(measurement.frequencies[0])
+    sloping = uniform_filter(wraps**2, window) - uniform_filter(wraps, window) ** 2
+    noise = np.hypot(
+        wrap_noise(0, spread, frequencies=measurement.frequencies),
+        BIAS * np.sqrt(np.maximum(sloping, 0)),
     )
-
-
-def beat_guided(measurement: Measurement) -> Estimate:
-    r"""Depth of the beat after a guided filter, which stops at edges.
-
-    .. math:: a = (\Sigma_w + \epsilon 1)^{-1}\,\mathrm{cov}_w(g, e^{i\theta}),\quad
-              b = \bar e - a \cdot \bar g,\quad q = \overline{a}\cdot g + \overline{b}
-
-    with the `guides` g and all means weighted by ``|p_1| |p_2|``, the inverse variance of the phase
-    theta of the beat. The confidence is that of a plain average over as many pixels.
-    """
-    phasor = beat_phasor(measurement)
-    size = np.abs(phasor)
-    weight = size / (size.mean() or 1.0) + 1e-6
-    filtered = guided_filter(
-        quotient(phasor, size), guides(measurement), weight, WINDOW, SMOOTHING
-    )
-    return _estimate_from_mean(
-        filtered * uniform_filter(size, WINDOW), size, WINDOW, measurement
-    )
-
-
-def guides(measurement: Measurement) -> Array:
-    """Guide images (6, H, W): log amplitude, coherence, cosine and sine of both slopes.
-
-    The wrapped phase cannot guide, its slope can: along an axis, the angle of ``sum p(x+1) conj
-    p(x)`` over 11 x 11 px, p the phasor of the lowest frequency. The sum's length over that of
-    lengths, the coherence, sinks at edges.
-    """
-    amplitude = np.nan_to_num(measurement.amplitude)
-    phasor = amplitude[0] * np.exp(1j * measurement.phase[0])
-    coherence = np.ones(phasor.shape)
-    slopes = []
-    for axis in (0, 1):
-        pairs = steps(phasor, axis)
-        total = uniform_filter(pairs, 11)
-        length = uniform_filter(np.abs(pairs), 11)
-        coherence *= quotient(np.abs(total), length)
-        slope = quotient(total, np.abs(total))
-        slopes += [slope.real, slope.imag]  # pyright: ignore[reportAttributeAccessIssue]
-    bright = uniform_filter(amplitude.sum(axis=0), 5)
-    # a tenth of the mean keeps the logarithm of noise in the dark from guiding anything
-    bright = np.log(0.1 + np.maximum(bright, 0) / (bright.mean() or 1.0))
-    return np.stack([bright, coherence, *slopes])
-
-
-def steps(phasor: Complex, axis: int) -> Complex:
-    """Phasor (H, W) of the next pixel along an axis times the pixel's conjugate; 0 at the end."""
-    ahead = np.roll(phasor, -1, axis) * np.conj(phasor)
-    np.moveaxis(ahead, axis, 0)[-1] = 0
-    return ahead
-
-
-def guided_filter(
-    values: Complex, guide: Array, weight: Array, window: int, smoothing: float
-) -> Complex:
-    """Complex values (H, W) after a guided filter with guides (G, H, W) and weights > 0 (H, W)."""
-    total = uniform_filter(weight, window)
-
-    def mean(image: NDArray) -> NDArray:
-        return uniform_filter(weight * image, window) / total
-
-    mean_guide = np.stack([mean(one) for one in guide])
-    mean_value = mean(values)
-    with_values = [
-        mean(one * values) - m * mean_value
-        for one, m in zip(guide, mean_guide, strict=True)
-    ]
-    # real and imaginary parts are right sides of their own
-    parts = np.stack(with_values, axis=-1)[..., None].view(float)
-    fit = np.linalg.solve(_covariances(mean, guide, mean_guide, smoothing), parts)
-    slope = np.moveaxis(fit.view(complex)[..., 0], -1, 0)
-    flat = mean(mean_value - (slope * mean_guide).sum(axis=0))
-    return flat + sum(map(np.multiply, map(mean, slope), guide))
-
-
-def _covariances(
-    mean: Callable[[Array], Array], guide: Array, middle: Array, smoothing: float
-) -> Array:
-    """Covariance matrices (H, W, G, G) of the guides in each window, plus ``smoothing`` times 1."""
-    count, *shape = guide.shape
-    spread = smoothing * np.broadcast_to(np.eye(count), (*shape, count, count))
-    for i, j in zip(*np.tril_indices(count), strict=True):
-        spread[..., i, j] += mean(guide[i] * guide[j]) - middle[i] * middle[j]
-        spread[..., j, i] = spread[..., i, j]
-    return spread
+    return Estimate(depth, rounding_odds(noise))
 
 
 def beat_depth(phase: Array, measurement: Measurement) -> Array:
@@ -176,19 +97,11 @@ def beat_depth(phase: Array, measurement: Measurement) -> Array:
     return within_range(middle + turns * wrap_length(synthetic.frequency), measurement)
 
 
-def _estimate_from_mean(
-    mean: NDArray, size: Array, window: int, measurement: Measurement
-) -> Estimate:
-    """Estimate from an averaged beat phasor; its confidence allows for noise and sloping depth."""
-    tones = measurement.frequencies
-    spread = noise_of_mean(mean, uniform_filter(size**2, window), window**2)
-    depth = beat_depth(np.angle(mean), measurement)
-    wraps = depth / wrap_length(tones[0])
-    variance = np.maximum(
-        uniform_filter(wraps**2, window) - uniform_filter(wraps, window) ** 2, 0
-    )
-    noise = np.hypot(wrap_noise(0, spread, frequencies=tones), BIAS * np.sqrt(variance))
-    return Estimate(depth, rounding_odds(noise))
+def steps(phasor: Complex, axis: int) -> Complex:
+    """Phasor (H, W) of the next pixel along an axis times the pixel's conjugate; 0 at the end."""
+    ahead = np.roll(phasor, -1, axis) * np.conj(phasor)
+    np.moveaxis(ahead, axis, 0)[-1] = 0
+    return ahead
 
 
 def noise_of_mean(mean: NDArray, power: Array, count: Array | int) -> Array:

@@ -9,7 +9,7 @@ from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy.ndimage import median
+from scipy.ndimage import median, uniform_filter
 from scipy.sparse import coo_array
 from scipy.sparse.csgraph import connected_components
 
@@ -18,7 +18,7 @@ from cmtof.classical.beat import (
     beat_depth,
     beat_phasor,
     estimate_with_beat,
-    guides,
+    steps,
     synthetic_frequency,
 )
 from cmtof.correlation import TAU, depth_from_phase, phase_from_depth, wrap_length
@@ -30,7 +30,7 @@ from cmtof.estimate import (
     within_range,
 )
 from cmtof.measurement import Measurement
-from cmtof.types import Array, Complex, Flags, Numbers
+from cmtof.types import Array, Arrays, Complex, Flags, Numbers
 
 # Steps between neighbours that cut, the best of two and three values on eight views of validation
 # rooms: of the unwrapped phase, rad, and of the smoothed logarithm of amplitude.
@@ -80,7 +80,7 @@ def region(measurement: Measurement) -> Estimate:
     frequencies = measurement.frequencies
     mask = measurement.mask
     phase = relative_phase(measurement)
-    bright, coherent = guides(measurement)[:2]
+    bright, coherent = _brightness(measurement)
     inside = mask & (coherent >= _COHERENCE)
     number = components(*_links(phase, bright, inside))
     shape = depth_from_phase(phase, frequencies[0])
@@ -115,6 +115,24 @@ def _offset_odds(
     middle = median(np.angle(rest), region_of, np.arange(offset.size))
     spread = SPREADS * np.hypot(spread, middle)
     return wrap_probability(0, spread, frequencies=frequencies)
+
+
+def _brightness(measurement: Measurement) -> Arrays:
+    """Smoothed logarithm of amplitude (H, W), and coherence, which sinks at edges.
+
+    That is the length of ``sum p(x+1) conj p(x)`` over that of its parts, over 11 x 11 px, for both
+    axes in turn; p is the phasor of the lowest frequency.
+    """
+    amplitude = np.nan_to_num(measurement.amplitude)
+    phasor = amplitude[0] * np.exp(1j * measurement.phase[0])
+    coherence = np.ones(phasor.shape)
+    for axis in (0, 1):
+        pairs = steps(phasor, axis)
+        length = uniform_filter(np.abs(pairs), 11)
+        coherence *= quotient(np.abs(uniform_filter(pairs, 11)), length)
+    bright = uniform_filter(amplitude.sum(axis=0), 5)
+    # a tenth of the mean keeps the logarithm of noise in the dark from making edges
+    return np.log(0.1 + np.maximum(bright, 0) / (bright.mean() or 1.0)), coherence
 
 
 def _links(phase: Array, bright: Array, inside: Flags) -> list[Flags]:

@@ -2,6 +2,7 @@
 
 1. `cmtof.surfaces.field`: the phasors of each pixel, weighted so that likelihoods add up.
 2. `cmtof.surfaces.growing`: planes start in windows, grow over cells that fit, and may curve.
+   `cmtof.surfaces.parts`: parts that do not belong together become surfaces of their own.
 3. `cmtof.surfaces.placing`: pixels take surfaces, whose beat (`cmtof.surfaces.beats`) and shape
    give their wraps. `cmtof.surfaces.contacts`: surfaces that meet agree on them.
    `cmtof.surfaces.roughness`: how far pixels depart from their surface.
@@ -23,7 +24,9 @@ from cmtof.surfaces import contacts, placing
 from cmtof.surfaces.beats import information_of_beats, pooled_beats
 from cmtof.surfaces.field import Field, field_from_measurement, pixels_of_cells
 from cmtof.surfaces.growing import GAIN, ROUGHEST, fit_surfaces, grown_surfaces
+from cmtof.surfaces.parts import EFFORT, cut_surfaces
 from cmtof.surfaces.roughness import Cells, cells_of_surfaces, departure, turn_back
+from cmtof.surfaces.shapes import depth_of_labels
 from cmtof.surfaces.votes import CLEAR, depth_by_votes, slopes_of_surfaces
 from cmtof.types import Array, Flags, Numbers
 
@@ -48,9 +51,6 @@ BESIDE = ((1.0, 2.0, REACH, REACH + 0.1), (0.36, 0.2, 0.1, 0.03))
 NARROW = 0.5  # share of the doubt that goes with fewer than 100 wraps to choose from
 # share of the winner of a vote, and how often it was right
 VOTING = ((0.0, 0.65, 0.95, 0.995, 1.0), (0.05, 0.33, 0.42, 0.55, 0.81))
-
-_STEPS = np.int64(6)  # of the last fit,
-_CELLS = np.int64(400)  # and cells of a surface that it looks at
 
 
 # Log-odds of offsets, from depth (H, W) and surface (H, W) before any, and offsets (N, M).
@@ -111,7 +111,7 @@ def stages(
     if measurement.camera is None:
         without = {"shape", *without}
     grown = _grow_and_cut(field, without, measurement.camera is not None)
-    depth = placing.depth_of_labels(field, grown.near, grown.surfaces)
+    depth = depth_of_labels(field, grown.near, grown.surfaces)
     cells = cells_of_surfaces(
         field, grown.inner, depth, len(grown.surfaces), field.side
     )
@@ -172,11 +172,11 @@ def _grow_and_cut(field: Field, without: Collection[str], known: bool) -> GrownS
     owner, surfaces = grown_surfaces(field, gain=gain, roughest=ROUGHEST * known)
     label, share, inner = placing.pixel_labels(field, owner, surfaces)
     if "parts" not in without:
-        parts, cut = placing.cut_surfaces(field, inner, surfaces)
+        parts, cut = cut_surfaces(field, inner, surfaces, gain)
         if len(cut) > len(surfaces):
             owner, surfaces = _fit_again(field, owner, parts, cut, gain)
             label, share, inner = placing.pixel_labels(field, owner, surfaces)
-    surfaces, fit = fit_surfaces(field, inner, surfaces, (_STEPS, _CELLS), gain)
+    surfaces, fit = fit_surfaces(field, inner, surfaces, EFFORT, gain)
     off = label < 0
     distance, near = distance_transform_edt(off, return_indices=True)  # pyright: ignore[reportGeneralTypeIssues]
     distance = np.where(off.all(), np.inf, distance)
@@ -192,7 +192,7 @@ def _fit_again(
     changed = parts != owner
     both = np.isin(parts, [owner[changed], parts[changed]])
     cells = pixels_of_cells(np.where(both, parts, -1))
-    surfaces, _ = fit_surfaces(field, cells, surfaces, (_STEPS, _CELLS), gain)
+    surfaces, _ = fit_surfaces(field, cells, surfaces, EFFORT, gain)
     return parts, surfaces
 
 

@@ -4,7 +4,6 @@ The beat says it (`cmtof.surfaces.beats`), and so does the shape: a plane moved 
 bent, the more so the wider it is.
 """
 
-from functools import partial
 from typing import NamedTuple
 
 import numpy as np
@@ -12,12 +11,10 @@ from scipy.ndimage import maximum_filter, minimum_filter, uniform_filter
 
 from cmtof.compiled import njit
 from cmtof.correlation import TAU
-from cmtof.surfaces.beats import Beats, cell_phasors, lags_of_phasors
+from cmtof.surfaces.beats import Beats
 from cmtof.surfaces.blocks import pixel_likelihood
-from cmtof.surfaces.field import CELL, Field, sum_nearby
+from cmtof.surfaces.field import CELL, Field
 from cmtof.surfaces.growing import owners_around
-from cmtof.surfaces.roughness import cells_of_surfaces, sum_surfaces
-from cmtof.surfaces.shapes import depth_of_labels
 from cmtof.types import Array, Arrays, Flags, Numbers
 
 RADIUS = 2  # half side, px, of the square over which a pixel compares surfaces
@@ -37,11 +34,6 @@ _FLOOR = (
 )  # least uncertainty, wraps, of an offset by the shape and by the beat
 # wraps of uncertainty of a beat per share of coherence that its surface lacks
 _BENT = 1.5
-_CUT = 20.0  # least gain, as a log-likelihood, of a part,
-_EDGE = 0.12  # also per cell of its border
-_PART = 6  # least size, cells, of a part
-_APART = 0.7  # and its least distance, wraps
-_CUTS = 3  # rounds of cutting
 _PLUMB = 5e-4  # deviation, rad, of what is upright
 _UPRIGHT = 5.0  # its least likelihood, 1 / rad
 _CLEAR = 1e-2  # uncertainty, rad, of normals that vote,
@@ -251,63 +243,3 @@ def _use_right_angles(
     gain = np.where(use, slope * variance / total, 0)
     least = np.minimum(variance, _FLOOR[0] ** 2)
     return mean - gain * off, np.maximum(variance * (1 - gain * slope), least)
-
-
-def cut_surfaces(
-    field: Field, inner: Numbers, surfaces: Array
-) -> tuple[Numbers, Array]:
-    """Surface of most pixels in each cell, and surfaces (N, 7), those cut whose beat steps.
-
-    Two planes at whole wraps of distance have the same phases and grow as one. They are parted if
-    that gains more log-likelihood than `_CUT`, and than `_EDGE` for each cell along the border.
-    """
-    cells = cells_of_surfaces(
-        field, inner, depth_of_labels(field, inner, surfaces), len(surfaces)
-    )
-    lags = lags_of_phasors(field, cell_phasors(field, cells), cells.information)
-    main = cells.main
-    for _ in range(_CUTS):
-        count = len(surfaces)
-        ahead, apart, gain, sizes = _halves(main, *lags, count)
-        border = _borders_of_halves(main, ahead, count)
-        good = gain > np.maximum(_CUT, _EDGE * border)
-        good &= sizes.min(axis=0) >= _PART
-        good &= np.abs(apart) > _APART
-        good[count] = False  # of cells without a surface
-        new = count + np.cumsum(good) - 1
-        main = np.where(ahead & good[main], new[main], main)
-        surfaces = np.concatenate([surfaces, surfaces[good[:count]]])
-    return main, surfaces
-
-
-def _halves(
-    main: Numbers, lag: Array, weight: Array, count: int
-) -> tuple[Flags, Array, Array, Array]:
-    """Cells (h, w) of each surface that lie ahead, by how much, and the gain in log-likelihood.
-
-    The last two (N + 1,) are also those of cells without a surface, and so are the sizes of both
-    halves (2, N + 1), cells.
-    """
-    summed = partial(sum_surfaces, main, count=count)
-    middle = (summed(weight * lag) / np.maximum(summed(weight), 1e-9))[main]
-    turn = 1.0
-    for radius in (1, 2, 2, 2, 2):
-        ahead = sum_nearby(weight * (lag - middle) * turn, main, radius) > 0
-        sides = np.array([~ahead, ahead])
-        known = np.maximum(summed(weight * sides), 1e-9)
-        rest, part = summed(weight * lag * sides) / known
-        middle = ((part + rest) / 2)[main]
-        turn = (part - rest)[main]
-    apart = part - rest
-    gain = apart**2 / np.sum(1 / known, axis=0) / 2
-    return ahead, apart, gain, summed(sides)
-
-
-def _borders_of_halves(main: Numbers, ahead: Flags, count: int) -> Array:
-    """Length (N + 1,), cells, of the border of what lies ahead within each surface."""
-    border = np.zeros(count + 1)
-    for axis in (0, 1):
-        here = np.delete(main, 0, axis)
-        inside = np.diff(main, axis=axis) == 0
-        border += sum_surfaces(here, inside & np.diff(ahead, axis=axis), count)
-    return border
