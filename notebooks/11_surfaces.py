@@ -276,7 +276,7 @@ plotting.save(
 VARIANTS = {
     "all of it": [],
     "planes only": ["bent"],
-    "not parted by the beat": ["parts"],
+    "not parted": ["parts"],
     "offsets by the beat alone": ["shape"],
     "no axes of the room": ["axes"],
     "no ties": ["ties"],
