@@ -19,7 +19,8 @@ from cmtof.types import Array, Flags, Numbers
 
 _LEAST = 6  # size, cells, of a part
 _ALONE = 20.0  # gain in S from which on a piece is a surface of its own
-_CUT = 40.0  # least gain, as a log-likelihood, of a part whose beat steps,
+_CUT = 20.0  # least gain, as a log-likelihood, of a part whose beat steps,
+_EDGE = 0.12  # also per cell of its border,
 _APART = 0.7  # and its least distance, wraps
 _CUTS = 3  # rounds of cutting
 EFFORT = np.int64(6), np.int64(400)  # steps of a fit, and cells that it looks at
@@ -30,7 +31,8 @@ def cut_surfaces(
 ) -> tuple[Numbers, Array]:
     """Surface of most pixels in each cell, and surfaces (N, 7), those cut whose beat steps.
 
-    Two planes at whole wraps of distance have the same phases and grow as one.
+    Two planes at whole wraps of distance have the same phases and grow as one. They are parted if
+    that gains more log-likelihood than `_CUT`, and than `_EDGE` for each cell along the border.
     """
     cells = cells_of_surfaces(
         field, inner, depth_of_labels(field, inner, surfaces), len(surfaces)
@@ -40,7 +42,7 @@ def cut_surfaces(
     for _ in range(_CUTS):
         count = len(surfaces)
         ahead, apart, won, sizes = _halves(main, *lags, count)
-        good = won > _CUT
+        good = won > np.maximum(_CUT, _EDGE * _borders_of_halves(main, ahead, count))
         good &= sizes.min(axis=0) >= _LEAST
         good &= np.abs(apart) > _APART
         good[count] = False  # of cells without a surface
@@ -105,3 +107,13 @@ def _halves(
     apart = part - rest
     gain = apart**2 / np.sum(1 / known, axis=0) / 2
     return ahead, apart, gain, summed(sides)
+
+
+def _borders_of_halves(main: Numbers, ahead: Flags, count: int) -> Array:
+    """Length (N + 1,), cells, of the border of what lies ahead within each surface."""
+    border = np.zeros(count + 1)
+    for axis in (0, 1):
+        here = np.delete(main, 0, axis)
+        inside = np.diff(main, axis=axis) == 0
+        border += sum_surfaces(here, inside & np.diff(ahead, axis=axis), count)
+    return border
