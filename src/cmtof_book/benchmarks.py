@@ -9,9 +9,10 @@ one thread, go where chapter 10 reads them; memory is the peak above what the pr
 
 import os
 import sys
+from collections import defaultdict
 from collections.abc import Callable
+from dataclasses import replace
 from functools import partial
-from itertools import product
 from multiprocessing import get_context
 from pathlib import Path
 from statistics import median
@@ -24,28 +25,17 @@ import numpy as np
 from cmtof.types import Fields
 from cmtof_book import RESULTS, THREADS
 
-SHAPE = (768, 1024)
 
-
-def seconds(work: Callable[[], object], repeats: int = 15) -> float:
+def seconds(work: Callable[[], object], repeats: int = 20) -> float:
     """Median time of a call, once caches and the memory allocator have settled."""
-    settling = repeats // 3
-    return median(repeat(work, number=1, repeat=settling + repeats)[settling:])
+    return median(repeat(work, number=1, repeat=repeats)[repeats // 4 :])
 
 
 def large_frame() -> Any:
-    """An embedded frame in the paper's size: each pixel repeated."""
-    from cmtof.scenes import Frame, load_frame
+    """A test view in the paper's size."""
+    from cmtof_rooms.held_out import SETTINGS, view_across
 
-    small = load_frame("room")
-    factor = SHAPE[0] / small.depth.shape[0]  # along rows as along columns
-    pixels = tuple((np.indices(SHAPE) / factor).astype(int))
-    return Frame(
-        small.depth[pixels],
-        small.intensity[pixels],
-        small.camera * factor,
-        "room, enlarged",
-    )
+    return view_across(9, replace(SETTINGS, height=768, width=1024))
 
 
 def ratios() -> None:
@@ -66,9 +56,9 @@ def ratios() -> None:
         rng.poisson(mean)
         rng.standard_normal(mean.shape, dtype=np.float32)
 
-    whole = seconds(simulated, 3)
+    whole = seconds(simulated, 4)
     print(
-        f"simulate / drawing its random numbers: {whole / seconds(draw, 3):.2f}, goal < 1.5"
+        f"simulate / drawing its random numbers: {whole / seconds(draw, 4):.2f}, goal < 1.5"
     )
 
 
@@ -99,12 +89,12 @@ def store() -> None:
     """Measure every method that is ready, print and store."""
     os.environ |= dict.fromkeys(THREADS, "1")
     from cmtof import __version__
-    from cmtof.methods import METHODS
+    from cmtof.methods import names_of
     from cmtof_book.provenance import processor, write_json
 
-    found = {name: {} for name in METHODS}
-    for protocol, (name, method) in product(("released", "full"), METHODS.items()):
-        if method.state(protocol) not in ("untrained", "no weights"):
+    found = defaultdict(dict)
+    for protocol in ("released", "full"):
+        for name in names_of("all", protocol):
             with get_context("spawn").Pool(1) as pool:
                 found[name][protocol] = pool.apply(cost, (name, protocol))
             print(protocol, name, found[name], flush=True)

@@ -1,16 +1,18 @@
-"""Sets of wraps by split conformal prediction over rooms, and how often they hold the true one.
+"""Sets of wraps, how often they hold the true one, and what each step of `surfaces` is worth.
 
     python -m cmtof_book.coverage
 
 A pixel of confidence c has the set of wraps up to q (1 - c) / c from its own. Here q is computed
 from rooms of one seed, for `cmtof.estimate.SETS`, and the sets are counted on rooms of another, on
-uneven ones, and on scans of `cmtof_book.scanned`, in the same folder. Everything is simulated.
+uneven ones, and on scans of `cmtof_book.scanned`, in the same folder. On some of these, steps of
+`surfaces` are left out in turn. Everything is simulated.
 """
 
 from collections.abc import Iterable, Iterator
 from dataclasses import replace
 from functools import partial
-from itertools import islice
+from itertools import islice, product
+from typing import Any
 
 import numpy as np
 import pandas as pd
@@ -25,6 +27,7 @@ from cmtof.frame import Frame
 from cmtof.measurement import Measurement
 from cmtof.simulation import staged_depth
 from cmtof.statistics import conformal_quantile
+from cmtof.surfaces.method import STEPS
 from cmtof.types import Array, Fields, Values
 from cmtof_book import RESULTS
 from cmtof_book.counts import Counts, counts_of
@@ -33,27 +36,40 @@ from cmtof_rooms.held_out import views
 
 EVERY = 16  # pixels, of which one counts in the calibration
 
-# Options of the simulation.
+# Options of the simulation; the first four calibrate.
 CONDITIONS: dict[str, Fields] = {
     "released, σ = 300": {"noise": 300.0},
     "released, σ = 1200": {"noise": 1200.0},
     "released, σ = 2000": {"noise": 2000.0},
     "full, σ = 1200": {"protocol": "full"},
+    "full, σ = 1200, camera unknown": {"protocol": "full"},
+    "full, σ = 1200, 10 mrad off": {"protocol": "full", "phase_offset": (0.0, 0.01)},
 }
 # Whether walls have waves of 0.02 to 0.3 wraps, 8 to 50 px wide, or 0.12 wraps a pixel.
-UNEVEN = {"released, σ = 1200, waves": True, "released, σ = 1200, rough": False}
+UNEVEN = {
+    "released, σ = 1200, waves": True,
+    "released, σ = 1200, waves, camera unknown": True,
+    "released, σ = 1200, rough": False,
+}
 SCANS = {"scans, photon": "photon", "scans, captures": "captures"}  # and their noise
 # Conditions under which the sets of a method are counted.
 CHECKED = {
     "surfaces": (*CONDITIONS, *UNEVEN, *SCANS),
     "hybrid": ("released, σ = 1200", "full, σ = 1200"),
 }
+ABLATED = (
+    "released, σ = 1200",
+    "full, σ = 1200",
+    "full, σ = 1200, 10 mrad off",
+    "released, σ = 1200, waves",
+    "scans, captures",
+)
 
 
 def calibrate_sets() -> Values:
     """Half-widths of the sets over the odds against a pixel's wraps."""
     frames = [*islice(views(301, tested=False), 80)]
-    seen = zip(*(measurements(one, frames) for one in CONDITIONS), strict=True)
+    seen = zip(*(measurements(one, frames) for one in [*CONDITIONS][:4]), strict=True)
     scores = [np.concatenate([*map(scores_of, room)]) for room in seen]
     return {name: conformal_quantile(scores, int(name[-2:]) / 100) for name in SETS}
 
@@ -87,19 +103,18 @@ def measurements(condition: str, frames: Iterable[Frame]) -> Iterator[Measuremen
     for number, frame in enumerate(frames):
         if condition in UNEVEN:
             frame = with_uneven_walls(frame, number, UNEVEN[condition])
-        yield simulate(frame, frame_number=number, **CONDITIONS.get(condition, {}))
+        seen = simulate(frame, frame_number=number, **CONDITIONS.get(condition, {}))
+        if "unknown" in condition:
+            seen = Measurement(seen.dataset.drop_vars("camera"))
+        yield seen
 
 
-def coverage_means(method: str, seen: Iterable[Measurement]) -> Fields:
-    """Means over rooms of the shares right and covered and of the wraps in a set; their errors."""
-    counts = pd.DataFrame(counts_of(seen, method=method))
+def shares(seen: Iterable[Measurement], **how: Any) -> Fields:
+    """Shares of pixels right and covered, and mean wraps in a set, of each measurement."""
+    counts = pd.DataFrame(counts_of(seen, **how))
     counts["right"] = counts["below"].str[0]
-    shares = counts[["right", *COVERAGE]].div(counts["pixels"], axis=0)
-    return {
-        "rooms": len(shares),
-        "means": shares.mean().to_dict(),
-        "errors": shares.sem().to_dict(),  # pyright: ignore[reportAttributeAccessIssue]
-    }
+    found = counts[["right", *COVERAGE]].div(counts["pixels"], axis=0)
+    return found.to_dict("list")
 
 
 def main() -> None:
@@ -110,12 +125,12 @@ def main() -> None:
     frames = [*islice(views(613, tested=False), 40)]
     for method, conditions in CHECKED.items():
         for one in conditions:
-            counts.keep(
-                "checked",
-                method,
-                one,
-                of=partial(coverage_means, method, measurements(one, frames)),
-            )
+            seen = measurements(one, frames)
+            of = partial(shares, seen, method=method)
+            counts.keep("checked", method, one, of=of)
+    for one, step in product(ABLATED, STEPS):
+        seen = measurements(one, frames)
+        counts.keep("without", step, one, of=partial(shares, seen, without={step}))
 
 
 if __name__ == "__main__":

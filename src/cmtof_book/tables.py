@@ -1,11 +1,11 @@
 """Count methods over all test frames and store the counts where the chapters find them.
 
     python -m cmtof_book.tables [--protocol released|full] [--noise SIGMA] [--size 768x1024]
-                                [--offset LOW HIGH] [--again] [METHOD...]
+                                [--offset LOW HIGH] [METHOD...]
     python -m cmtof_book.tables --runs FOLDER
 
-Without names: every method and reference. Only methods that are new or have other weights are
-counted, unless ``--again`` is given. With ``--runs`` weights are counted by their folders' names.
+Without names: every method and reference that is new or has other weights; what is named is always
+counted. With ``--runs`` weights are counted by their folders' names.
 With ``--size`` the test views are rendered at that size first; ``--offset`` adds to the phases of
 the two frequencies, mrad (Table 3). The file is named by table and options.
 """
@@ -110,7 +110,6 @@ def main(
     ],
     protocol: Literal["released", "full"] = "released",
     noise: float = 1200.0,
-    again: bool = False,
     runs: Path | None = None,
     size: str = "",
     offset: Pair = (0.0, 0.0),
@@ -126,7 +125,7 @@ def main(
     rows = [
         row
         for row in rows_of(methods, protocol, runs)
-        if again or not row.is_counted(held)
+        if methods or not row.is_counted(held)
     ]
     if rows:
         frames = views_of_size(*shape_from_text(size)) if size else held_out_frames()
