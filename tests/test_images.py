@@ -126,6 +126,9 @@ def test_depth_without_light_is_refused():
     Path("fake.png").write_bytes(b"no image")
     with refused("Expected a PNG image"):
         load_frame(depth, intensity="fake.png")
+    counts = write("light.npy", LIGHT.astype(np.int32))
+    with refused("8 or 16 bits or floats, got int32"):
+        load_frame(depth, intensity=counts)
 
 
 @mark.parametrize(

@@ -137,9 +137,14 @@ def brightness_of(image: NDArray, linear: bool) -> Array:
     """Linear brightness (H, W) of an image: its green channel, or its grey, without gamma."""
     green = image if image.ndim == 2 else image[..., 1 if image.shape[-1] > 2 else 0]
     if linear:
-        return green / (np.percentile(green, 99) or 1.0)
+        return green / (np.percentile(green + 0.0, 99) or 1.0)
     if green.dtype.kind == "f":
         return green.astype(float)
+    if green.dtype not in (np.uint8, np.uint16):
+        raise ValueError(
+            f"Expected light of 8 or 16 bits or floats, got {green.dtype}. Convert it, or read it "
+            "as linear."
+        )
     encoded = green / np.iinfo(green.dtype).max  # sRGB, IEC 61966-2-1
     return np.where(
         encoded <= 0.04045, encoded / 12.92, ((encoded + 0.055) / 1.055) ** 2.4
