@@ -109,12 +109,11 @@ def measurements(condition: str, frames: Iterable[Frame]) -> Iterator[Measuremen
         yield seen
 
 
-def shares(seen: Iterable[Measurement], **how: Any) -> Fields:
-    """Shares of pixels right and covered, and mean wraps in a set, of each measurement."""
+def shares(seen: Iterable[Measurement], *names: str, **how: Any) -> Fields:
+    """Shares of pixels right or covered, and mean wraps in a set, of each measurement, by name."""
     counts = pd.DataFrame(counts_of(seen, **how))
     counts["right"] = counts["below"].str[0]
-    found = counts[["right", *COVERAGE]].div(counts["pixels"], axis=0)
-    return found.to_dict("list")
+    return counts[[*names]].div(counts["pixels"], axis=0).to_dict("list")
 
 
 def main() -> None:
@@ -126,11 +125,13 @@ def main() -> None:
     for method, conditions in CHECKED.items():
         for one in conditions:
             seen = measurements(one, frames)
-            of = partial(shares, seen, method=method)
+            of = partial(shares, seen, "right", *COVERAGE, method=method)
             counts.keep("checked", method, one, of=of)
     for one, step in product(ABLATED, STEPS):
         seen = measurements(one, frames)
-        counts.keep("without", step, one, of=partial(shares, seen, without={step}))
+        counts.keep(
+            "without", step, one, of=partial(shares, seen, "right", without={step})
+        )
 
 
 if __name__ == "__main__":
