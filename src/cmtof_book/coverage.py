@@ -113,7 +113,7 @@ def shares(seen: Iterable[Measurement], *names: str, **how: Any) -> Fields:
     """Shares of pixels right or covered, and mean wraps in a set, of each measurement, by name."""
     counts = pd.DataFrame(counts_of(seen, **how))
     counts["right"] = counts["below"].str[0]
-    return counts[[*names]].div(counts["pixels"], axis=0).to_dict("list")
+    return counts[[*names]].div(counts["pixels"], axis=0).to_dict("list")  # pyright: ignore[reportCallIssue]
 
 
 def main() -> None:
