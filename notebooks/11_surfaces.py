@@ -273,10 +273,10 @@ plotting.save(
 # ## Ablation
 #
 # Each row leaves one step out. The table has the change of the mean share of right wraps, in
-# points, with its standard error, over 40 rooms of another seed, and over the four scans
-# of [chapter 21](21_scanned_scenes.ipynb), a seed each. Curved surfaces and
-# ties pay on uneven walls and on scans, shape and axes in even rooms, the common offset where
-# there is one. Only the last step, the beat of the surroundings, helps nowhere here.
+# points, with its standard error, over 40 rooms of another seed, and over one scan of each scene of
+# [chapter 21](21_scanned_scenes.ipynb). Curved surfaces and ties pay on uneven walls and on scans,
+# shape and axes in even rooms, the common offset where there is one. Only the last step, the beat
+# of the surroundings, helps nowhere here.
 
 # %% tags=["hide-input"]
 LEFT_OUT = {

@@ -4,10 +4,10 @@
                                 [--offset LOW HIGH] [METHOD...]
     python -m cmtof_book.tables --runs FOLDER
 
-Without names: every method and reference that is new or has other weights; what is named is always
-counted. With ``--runs`` weights are counted by their folders' names.
-With ``--size`` the test views are rendered at that size first; ``--offset`` adds to the phases of
-the two frequencies, mrad (Table 3). The file is named by table and options.
+Without names: every method and reference. Only methods that are new or have other weights are
+counted; without its file a table is counted again. With ``--runs`` weights are counted by their
+folders' names. With ``--size`` the test views are rendered at that size first; ``--offset`` adds to
+the phases of the two frequencies, mrad (Table 3). The file is named by table and options.
 """
 
 import json
@@ -122,11 +122,7 @@ def main(
     held = read_json(path)
     if held.get("settings") != settings:
         held = {"settings": settings, "size": size, "weights": {}, "frames": []}
-    rows = [
-        row
-        for row in rows_of(methods, protocol, runs)
-        if methods or not row.is_counted(held)
-    ]
+    rows = [row for row in rows_of(methods, protocol, runs) if not row.is_counted(held)]
     if rows:
         frames = views_of_size(*shape_from_text(size)) if size else held_out_frames()
         for row in rows:
