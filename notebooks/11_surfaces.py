@@ -274,9 +274,9 @@ plotting.save(
 #
 # Each row leaves one step out. The table has the change of the mean share of right wraps, in
 # points, with its standard error, over 40 rooms of another seed, and over one scan of each scene of
-# [chapter 21](21_scanned_scenes.ipynb). Curved surfaces and ties pay on uneven walls and on scans,
-# shape and axes in even rooms, the common offset where there is one. Only the last step, the beat
-# of the surroundings, helps nowhere here.
+# [chapter 21](21_scanned_scenes.ipynb). Curved surfaces and ties help on uneven walls and on scans,
+# shape and axes in even rooms. Parts, and the common offset where there is one, help by less than
+# two standard errors. The last step, the beat of the surroundings, helps nowhere here.
 
 # %% tags=["hide-input"]
 LEFT_OUT = {
@@ -291,7 +291,7 @@ LEFT_OUT = {
 coverage = json.loads((Path(results) / "coverage.json").read_text("utf-8"))
 usual = coverage["checked"]["surfaces"]
 ablated = coverage["without"]["ties"]
-rows = [["nothing; right, %"]]
+rows = [["nothing (right, %)"]]
 rows[0] += [f"{100 * np.mean(usual[one]['right']):.1f}" for one in ablated]
 for step, label in LEFT_OUT.items():
     changes = [

@@ -25,6 +25,7 @@ from cmtof.types import Array, Numbers
 
 # As NumPy's integers, for Numba compiles a function again for every literal that it is given.
 HOPS = np.int64(60)  # largest hop, wraps
+EFFORT = np.int64(6), np.int64(400)  # steps of a last fit, and cells that it looks at
 UPRIGHT = (np.int64(0), np.int64(0))  # no tilt, wraps per pixel down and right
 ASTRAY = 0.2  # distance, wraps (rms), of a plane from a bent surface from which on it is not tried
 FLAT = 5e-5  # a surface counts as bent if a plane misses it by more, m (rms), and it gains in S

@@ -23,8 +23,9 @@ from cmtof.measurement import Measurement
 from cmtof.surfaces import contacts, placing
 from cmtof.surfaces.beats import information_of_beats, pooled_beats
 from cmtof.surfaces.field import Field, field_from_measurement, pixels_of_cells
-from cmtof.surfaces.growing import GAIN, ROUGHEST, fit_surfaces, grown_surfaces
-from cmtof.surfaces.parts import EFFORT, cut_surfaces
+from cmtof.surfaces.fitting import EFFORT, fit_surfaces
+from cmtof.surfaces.growing import GAIN, ROUGHEST, grown_surfaces
+from cmtof.surfaces.parts import cut_surfaces
 from cmtof.surfaces.roughness import Cells, cells_of_surfaces, departure, turn_back
 from cmtof.surfaces.shapes import depth_of_labels
 from cmtof.surfaces.votes import CLEAR, depth_by_votes, slopes_of_surfaces

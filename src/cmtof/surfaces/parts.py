@@ -12,7 +12,7 @@ from scipy.ndimage import maximum
 from cmtof.classical.region import components
 from cmtof.surfaces.beats import cell_phasors, lags_of_phasors
 from cmtof.surfaces.field import Field, pixels_of_cells, sum_nearby
-from cmtof.surfaces.fitting import fit_surfaces
+from cmtof.surfaces.fitting import EFFORT, fit_surfaces
 from cmtof.surfaces.roughness import Cells, cells_of_surfaces, sum_surfaces
 from cmtof.surfaces.shapes import depth_of_labels
 from cmtof.types import Array, Flags, Numbers
@@ -20,10 +20,9 @@ from cmtof.types import Array, Flags, Numbers
 _LEAST = 6  # size, cells, of a part
 _ALONE = 20.0  # gain in S from which on a piece is a surface of its own
 _CUT = 20.0  # least gain, as a log-likelihood, of a part whose beat steps,
-_EDGE = 0.12  # also per cell of its border,
+_EDGE = 0.12  # also per cell of its border, since halves of noise gain by their cells,
 _APART = 0.7  # and its least distance, wraps
 _CUTS = 3  # rounds of cutting
-EFFORT = np.int64(6), np.int64(400)  # steps of a fit, and cells that it looks at
 
 
 def cut_surfaces(
@@ -80,8 +79,7 @@ def _pieces(main: Numbers) -> tuple[Numbers, Numbers]:
     parent = np.zeros_like(size)
     parent[pieces] = main
     tried = size < maximum(size, parent, parent)
-    tried &= size >= _LEAST
-    tried &= parent >= 0
+    tried &= (size >= _LEAST) & (parent >= 0)
     number = np.where(tried, tried.cumsum() - 1, -1)
     return number[pieces], parent[tried]
 
