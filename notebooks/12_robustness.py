@@ -12,13 +12,14 @@
 profile: str = "book"  # size profile
 seed: int = 0  # of all noise
 methods: list = ["fast-scnn", "beat", "mrf", "surfaces", "crt", "middle"]
-slow: list = ["mrf", "surfaces"]  # those run at a few points of the curves only
+slow: list = ["mrf", "surfaces"]  # those run at a few points of the curves only,
+slow_at: list = [-35, -10, 10, 35]  # offsets on 14.32 GHz, mrad
 places: list = [6, 16]  # test frames
 side: int = 384  # of those frames, px: their middle
 wall_side: int = 384  # of the wall on which the beat is tried, px
 wall_draws: int = 4  # draws of its noise
-offsets_high: list = [-50, -35, -20, -5, 5, 20, 35, 50]  # on 14.32 GHz, mrad
-offsets_low: list = [-50, -25, 25, 50]  # on 7.15 GHz, mrad
+offsets_high: list = [-50, -35, -20, -10, -5, 5, 10, 20, 35, 50]  # on 14.32 GHz, mrad
+offsets_low: list = [-50, -25, -10, 10, 25, 50]  # on 7.15 GHz, mrad
 step: float = 1e6  # spacing of drives on the grid, Hz
 draws: int = 2000  # sets of scenes; depths that test each set of frequencies
 results: str = "../book/results"  # folder of counts over all test frames
@@ -221,12 +222,12 @@ def ask(names=methods, **changes):
 
 quick = [name for name in methods if name not in slow]
 unmoved, answers = ask()
-four = [(low / 1e3, high / 1e3) for low, high in MOVED]
-runs = {offset: ask(phase_offset=offset) for offset in four}
+runs = {}
 for column, values in ((1, offsets_high), (0, offsets_low)):
     for value in values:
         offset = tuple(value / 1e3 if i == column else 0.0 for i in (0, 1))
-        runs[offset] = ask(methods if abs(value) == 35 else quick, phase_offset=offset)
+        asked = methods if column == 1 and value in slow_at else quick
+        runs[offset] = ask(asked, phase_offset=offset)
 curve = {name: [(0.0, unmoved[name]["delta_lt_1"], 0.0)] for name in methods}
 for offset, (found, counts) in runs.items():
     for name, count in counts.items():

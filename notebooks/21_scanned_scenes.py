@@ -203,13 +203,12 @@ notes.say(
 )
 
 # %% tags=["hide-input"]
-scans = {
-    (n, k): scan_object(n, k, size=size, seed=seed) for n in objects for k in NOISE
-}
-first = scans[objects[0], "photon"]
+scans = {n: scan_object(n, "captures", size=size, seed=seed) for n in objects}
+clear = scan_object(teaser, "photon", size=size, seed=seed)
+first = scans[objects[0]]
 index = float(first.dataset.attrs["group_index"])
 period = wrap_length(first.frequencies[0]) / index
-truth = {name: scans[name, "photon"].depth / index for name in objects}
+truth = {name: scan.depth / index for name, scan in scans.items()}
 limits = {name: (np.nanmin(z), np.nanmax(z)) for name, z in truth.items()}
 scenes = {name: scene_from({"kind": "object", "name": name}) for name in objects}
 
@@ -235,10 +234,10 @@ def rf_scan(name, scan):
 
 def given(name):
     """Every method with the measurement that it reads."""
-    scan = scans[name, "captures"]
+    scan = scans[name]
     read = dict.fromkeys(("kde", "region", "fast-scnn", "surfaces", "tuned"), scan)
     if name == teaser:
-        read["surfaces, photon"] = scans[name, "photon"]
+        read["surfaces, photon"] = clear
     return read | {"rapid": four_phases(scan), "RF": rf_scan(name, scan)}
 
 
@@ -292,18 +291,20 @@ WALL = 1.05  # m, from where on the wall is left out in space
 for name in objects:
     off = wraps_off(name, "tuned")
     shown = {"truth": truth[name], "fast-scnn": depths[name, "tuned"]}
+    scan = scans[name]
     if name == teaser:  # the correct surface first
         shown = {"surfaces": depths[name, "surfaces, photon"]} | shown
+        scan = clear
     layers = {}
     for label, one in shown.items():
         near = np.where(truth[name] < WALL, one, np.nan)
-        points = points_from_depth(near, scans[name, "photon"].camera)
+        points = points_from_depth(near, scan.camera)
         layers[label] = views.Layer(points, one, "cividis_r", limits[name], "range (m)")
     error = np.abs(off), "YlOrRd", (0, 10), "wraps off"
     layers["wraps off"] = views.Layer(layers["fast-scnn"].points, *error)
     best = next(iter(layers.values()))
     turn = plotting.TURN, "phase (rad)"
-    fringes = np.mod(scans[name, "photon"].phase[1], TAU)
+    fringes = np.mod(scan.phase[1], TAU)
     layers["phase"] = views.Layer(best.points, fringes, plotting.PHASE_CMAP, *turn)
     view = {"longest": 4 * FIELD_OF_VIEW[name] / size, "eye": (-0.16, -0.12, -0.1)}  # m
     # with all points the pages would be slow
@@ -319,7 +320,7 @@ for name in objects:
 
 # %% tags=["hide-input"]
 figure, axes = plt.subplots(1, 2, figsize=(8.4, 4.1))
-fringes = np.mod(scans[teaser, "photon"].phase[1], TAU)
+fringes = np.mod(clear.phase[1], TAU)
 plotting.phase_image(axes[0], fringes, title="phase at 14.32 GHz")
 title = f"its surface, {right[teaser, 'surfaces, photon']:.0f} % right wraps"
 plotting.image(axes[1], still, label="", title=title, bar=False)
@@ -435,7 +436,7 @@ for name in objects:
         format="png",
     )
 
-    scan = scans[name, "captures"]
+    scan = scans[name]
     figure, axes = plotting.grid(6, 3, 1)
     bright = np.sqrt(scan.amplitude[0] / np.nanquantile(scan.amplitude[0], 0.98))
     plotting.image(
@@ -467,7 +468,7 @@ for name in objects:
 # The first scene by the fine-tuned network and by `surfaces`; the divider between them moves.
 
 # %% tags=["hide-input"]
-scan = scans[objects[0], "captures"]
+scan = scans[objects[0]]
 compared = {ROWS.get(m, m): answers[objects[0], m] for m in ("tuned", "surfaces")}
 show_swipe(Scene(frame_of(scenes[objects[0]], scan), scan, compared), *compared)
 
@@ -485,7 +486,7 @@ names = ["kde", "region", "fast-scnn", "tuned", "surfaces"]
 
 def classes_of(name):
     """Class (H, W) of each pixel, by what stands there."""
-    angles = scans[name, "photon"].dataset["angle"].to_numpy()
+    angles = scans[name].dataset["angle"].to_numpy()
     hits = scenes[name].look(directions_from_angles(angles))
     around = np.lib.stride_tricks.sliding_window_view(
         np.pad(truth[name], 1, mode="edge"), (3, 3)
