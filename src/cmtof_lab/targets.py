@@ -4,7 +4,7 @@ Coordinates of the camera: x right, y down, z forward; the galvo's beam leaves a
 """
 
 from dataclasses import dataclass
-from functools import cached_property, partial
+from functools import cache, cached_property, partial
 from pathlib import Path
 from typing import Any, NamedTuple
 
@@ -170,9 +170,9 @@ class MeshTarget:
             cosine = abs(along) / norm(normal, axis=-1)
             return np.vecdot(a, normal) / along, np.nan_to_num(cosine)
 
-    def is_hidden(self, points: Array, eye: ArrayLike) -> Flags:
+    def is_hidden(self, points: Array, eye: Array) -> Flags:
         """Whether something stands between points (..., 3) of the surface and an eye (3,), m."""
-        way = np.subtract(points.reshape(-1, 3), eye)
+        way = points.reshape(-1, 3) - eye
         far = norm(way, axis=-1)
         rays = (way / far[:, None]).astype(np.float32)
         reach = (far - SURFACE).astype(np.float32)
@@ -180,6 +180,7 @@ class MeshTarget:
         return hidden.reshape(points.shape[:-1])
 
 
+@cache
 def _object(name: str) -> MeshTarget:
     from cmtof_lab.objects import object_mesh
 
