@@ -93,7 +93,8 @@ size: setup ## Volume and density of every part, and what else exceeds its budge
 
 lab: setup ## Open the notebooks in JupyterLab, each as its newer half is
 	@$(BIN)/python -m cmtof_book.pairs --newer
-	@$(BIN)/jupyter lab --ServerApp.root_dir=. $(if $(filter 0,$(shell id -u)),--allow-root) notebooks
+	@CMTOF_OUTPUT="$(CURDIR)/build/figures" $(BIN)/jupyter lab --ServerApp.root_dir=. \
+		--LabApp.default_url=/lab/tree/notebooks $(if $(filter 0,$(shell id -u)),--allow-root)
 
 lint: setup ## Check style, types, notebook pairs and words
 	@$(BIN)/ruff check .

@@ -268,14 +268,12 @@ print(f"gain, paired by view: {gain[0]:.1f} points ({gain[1]:.1f} to {gain[2]:.1
 # The paper's ablation omits the loss on depth, the edges, or the Fourier features. Our rows are
 # trained alike: 56,000 crops at the paper's scale, the same scenes, noise that rises from 20 counts
 # (`cmtof train table1`, two to five hours of one core a row); the paper's had 500,000. Three of
-# them learnt on a GPU, with other random numbers, as their cards say. "Seed 1" repeats two rows
+# them learnt on a GPU, with other random numbers. "Seed 1" repeats two rows
 # with other first weights, crops and noise. "Random stem" is the proposed row without the
 # initialisation above. All are tested on one frame from each of 32 rooms outside the training set,
 # at the paper's image size; intervals (95 %) are over scenes. A row that does not beat the best
 # constant answer is called untrained. "Public code" has the layers and inputs of the authors'
 # public code (`fast-scnn-public`), with our data, loss and schedule.
-#
-# Of its baselines the paper states only what Deep-ToF reads, raw correlations; here all do.
 
 # %% tags=["hide-input"]
 PAPERS = ("proposed", "ce_only", "fourier", "phase_only")
@@ -415,10 +413,11 @@ plotting.save(
 )
 
 # %% [markdown]
-# Further legs of 384² windows from the shipped weights failed. On a GPU, at the rate of their last
-# leg but for longer, the losses grew without bound, in the full protocol after its averaged weights
-# had become better. On a processor, at a third of that rate and with a loss of every third row and
-# column, hardly anything changed. None of these weights is shipped.
+# Further legs of 384² windows from the shipped weights failed. On a GPU, at the rate of their
+# last leg but for longer, the losses grew without bound, in the full protocol after its averaged
+# weights had become better; before the first steps these were not validated. On a processor, at a
+# third of that rate and with a loss of every third row and column, hardly anything changed. None
+# of these weights is shipped.
 
 # %% tags=["hide-input"]
 legs = json.loads(path.with_name("failed_legs.json").read_text("utf-8"))["legs"]
@@ -444,7 +443,8 @@ notes.table(
 # ## The shipped weights
 #
 # A row is *trained* if its validation rate beats the best constant answer with 95 % confidence. Its
-# card holds that rate and every stage of its training. Other networks have no weights here.
+# card holds that rate, of the final weights and over more views than the curve of `fast-scnn` above
+# (48 and 16), and every stage of its training. Other networks have no weights here.
 
 # %% tags=["hide-input"]
 trained = [name for name in MODELS if state(name) == "trained"]
@@ -608,7 +608,7 @@ plotting.save(
 # %% tags=["hide-input"]
 notes.answer(
     """
-    **Answer.** Yes, in {hours:.0f} hours of one core, the last minutes of them on a GPU, if its
+    **Answer.** Yes, in {hours:.0f} hours of one core and eight minutes of a GPU, if its
     first filters form the beat and training begins with simple plates. On the small test frames
     (384×512) it has {value} % of the wraps right, where the averaged beat has {beat} %.
     `region`, which needs no training, is close ([chapter 10](10_methods.ipynb)).

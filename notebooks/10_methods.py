@@ -307,15 +307,16 @@ for name, pairs in beliefs.items():
 notes.table(["method", "mean confidence, %", "right, %", "calibration error, %"], rows)
 
 # %% [markdown]
-# The confidence of pixelwise methods (`crt`, `phasor`) holds, since they are affected by noise
-# alone. That of `beat` also counts how the depth varies within its window. Those of `region`, `mrf`
-# and networks fall where the beat of a pixel, or of the window around it, contradicts the depth.
-# They and that of `surfaces` were calibrated on rooms of the training and validation sets.
+# The confidence of pixelwise methods (`crt`, `phasor`) is small, as it should be, since they are
+# affected by noise alone. That of `kde` is too small. That of `beat` also counts how the depth
+# varies within its window. Those of `region`, `mrf` and networks fall where the beat of a pixel,
+# or of the window around it, contradicts the depth. They and that of `surfaces` were calibrated
+# on rooms of the training and validation sets.
 #
 # ## Costs
 #
 # Seconds and memory for a frame of 768×1024 pixels on one thread, each method in a process of its
-# own (`python -m cmtof_book.benchmarks --store`).
+# own (`python -m cmtof_book.benchmarks --store`). Empty: no weights for this protocol.
 
 # %% tags=["hide-input"]
 path = Path(results) / "methods_cost.json"
@@ -323,7 +324,7 @@ cost = (
     json.loads(path.read_text(encoding="utf-8")) if path.is_file() else {"methods": {}}
 )
 rows = []
-for name in (name for name in METHODS if name in cost["methods"]):
+for name in (name for name in METHODS if cost["methods"].get(name)):
     one = cost["methods"][name]
     rows.append(
         [

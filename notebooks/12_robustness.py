@@ -281,11 +281,11 @@ plotting.save(
 )
 
 # %% [markdown]
-# The paper's network is right in 51.6 % without and 51.0 % with an offset. If its answers came from
-# the beat, with the (symmetric) errors of its own table, 27 % would remain for 0.01 rad on f₂ and
-# 8 % on f₁. Its right answers rest on shapes and likely depths, or it was
-# trained with offsets. Our `surfaces`, which finds the offset itself, keeps its wraps at some
-# offsets and loses many at others.
+# The paper's network is right in 51.6 % without and 51.0 % with an offset. If its answers came
+# from the beat, with the (symmetric) errors of its own table, 27 % would remain for 0.01 rad on
+# f₂ and 8 % on f₁. Its right answers rest on shapes and likely depths, or it was trained with
+# offsets. Our `surfaces`, which finds the offset itself, keeps its wraps in these two rooms; over
+# 40 rooms it loses some in the full protocol ([chapter 11](11_surfaces.ipynb)).
 #
 # ## More noise, or less light
 #
@@ -329,9 +329,9 @@ plotting.save(
 # \mathrm{rms} = \sqrt{2/45}\;\tan^2 t\;e ,
 # \tag{12.2}$$
 #
-# 1.5 mm for one wrap over 60° (exactly 1.1 mm). So `surfaces` finds whole wraps by shape, and by
-# all planes of one frame the offset itself ([chapter 11](11_surfaces.ipynb)). A target of known
-# range gives both offsets directly.
+# 1.5 mm for one wrap over 60° (1.1 mm without the approximation for small angles). So `surfaces`
+# finds whole wraps by shape, and by all planes of one frame the offset itself ([chapter
+# 11](11_surfaces.ipynb)). A target of known range gives both offsets directly.
 #
 # ## Other frequencies
 #
@@ -490,10 +490,12 @@ notes.table(
 
 # %% [markdown]
 # The first two rows are the paper's pair, the others the best pair and the best three for each
-# noise, with white pixels within 7.49 m. In equal time each of three images has two thirds of the
-# light and the same Gaussian noise, so that the gain is less than half as large. At equal noise the
-# best three are both ends of the doubled mode and one single tone, which resolves the 10.5 mm
-# wraps. A doubled mode as weak as the instrument's (J₂/J₁)² is not used at all.
+# noise, with white pixels within 7.49 m. All wrong wraps within the range count here, so that the
+# paper's pair needs a few pixels more than in [chapter 3](03_wraps.ipynb). In equal time each of
+# three images has two thirds of the light and the same Gaussian noise, so that the gain is less
+# than half as large. At equal noise the best three are both ends of the doubled mode and one
+# single tone, which resolves the 10.5 mm wraps. A doubled mode as weak as the instrument's
+# (J₂/J₁)² is not used at all.
 
 # %% tags=["hide-input"]
 figure, (ax, right) = plt.subplots(1, 2, figsize=(8.4, 4))

@@ -51,7 +51,7 @@ BY = {
 # The camera is simulated from public data: two taps a pixel, flood light of four laser diodes. No
 # setting was fitted to the paper's numbers. An owl and a helmet are 0.9 m from the instrument, the
 # wall 0.25 m behind them; dark feathers reflect less than 5 %. The camera stands at the scanner.
-# The *strong* camera has so much light that a white surface has 1 mm of noise, as the paper
+# A second, *strong* camera has so much light that a white surface has 1 mm of noise, as the paper
 # observes («mm deviation on diffuse highly reflecting surfaces»).
 
 
@@ -142,7 +142,7 @@ notes.table(
 )
 print(
     "\n".join(
-        f"{' '.join(k)} {right[k]:.0%} right, {1e6 * phase_error[k]:.0f} µm"
+        f"{' '.join(k)} {right[k]:.0%} right, median error {1e6 * phase_error[k]:.0f} µm"
         for k in both
     )
 )
@@ -159,7 +159,7 @@ for row, name in zip((axes[:4], axes[4:]), NAMES, strict=True):
     }
     for ax, (title, values) in zip(row, ranges.items(), strict=True):
         plotting.image(
-            ax, values, label="", title=title, limits=(0.77, 1.19), bar=False
+            ax, values, title=title, cmap="viridis", limits=(0.77, 1.19), bar=False
         )
 figure.colorbar(axes[0].images[0], ax=axes, label="range (m)", shrink=0.6)
 plotting.label_panels(axes)
@@ -184,7 +184,7 @@ plotting.save(
 # The GHz phase is precise to a few tens of micrometres, and to 0.3 mm with the captures' noise; its
 # errors are wrong wraps, most of all on the helmet, which returns little diffuse light. At 100 MHz
 # a wrap is 1.5 m, not the 3 m of the paper's introduction ([chapter 22](22_errata.ipynb)), so no
-# wrong wrap could fill the helmet's holes, but stray light and filters could.
+# wrong wrap could fill holes as those of our helmet here, but stray light and filters could.
 #
 # Normals of neighbouring points show the effect of a millimetre. The camera's software is assumed
 # to average 5 × 5 pixels; the GHz scan is not smoothed.
@@ -346,11 +346,12 @@ paper.table()
 # %% tags=["hide-input"]
 notes.answer(
     """
-    **Answer.** In our camera noise, in the paper's perhaps too: a simulated camera has {error:.0f}
-    mm rms on the dark feathers of an owl of our own, and {bias:.1f} mm without noise. The simulated
-    GHz scan has the depth of {photon:.0f} % of the owl's points within half a wrap at the photon
-    limit by this book's `surfaces`, of {captures:.0f} % with the captures' phase noise by our
-    version of the paper's network. [Chapter 21](21_scanned_scenes.ipynb) counts right wraps.
+    **Answer.** In our camera noise, in the paper's perhaps too: a simulated camera has
+    {error:.0f} mm rms on the dark feathers of an owl of our own, and {bias:.1f} mm without noise.
+    The simulated GHz scan of the owl, wall and table included, has the depth of {photon:.0f} % of
+    its points within half a wrap at the photon limit by this book's `surfaces`, of {captures:.0f}
+    % with the captures' phase noise by our version of the paper's network. [Chapter
+    21](21_scanned_scenes.ipynb) counts right wraps.
     """,
     error=1e3 * rms(error["owl"][dark]),
     bias=1e3 * rms(bias["owl"][dark]),

@@ -158,17 +158,17 @@ notes.table(
 notes.say(
     """
     Each cell has the mean over three scans of a scene, with new speckle and noise, and in brackets
-    the lowest and the highest. The last row is a reference: it is given the shape of every surface
-    and which of them touch, and finds one offset for these together. It is no upper limit: see the
-    helmet. With the captures' noise KDE falls from {kde:.0f} to {kde_captures:.0f} %, the
-    fine-tuned network from {net:.0f} to {net_captures:.0f} %. Averaged over four mirror images this
-    network has {mirrored:.0f} %; together with `surfaces`, as `hybrid`, {hybrid:.0f} %.
-    `surfaces-mirrored` is the vote of `surfaces` over four mirror images. `region` averages the
-    beat of pixels between steps of phase or brightness. `rapid`, the network of Zhang et al.
-    (2019), reads four phases; the sixteen are decoded and put back into four. It is not fine-tuned.
-    `phasor` needs two close frequencies, and had a second scan at 7.16 GHz. With the stray light
-    left in, KDE finds {kde_stray:.0f} % at the photon limit, `surfaces` {surfaces_stray:.0f} %: a
-    few hundred points with a covered beam are worth their time.
+    the lowest and the highest; what is empty was not counted. The last row is a reference: it is
+    given the shape of every surface and which of them touch, and finds one offset for these
+    together. It is no upper limit: see the helmet. With the captures' noise KDE falls from
+    {kde:.0f} to {kde_captures:.0f} %, the fine-tuned network from {net:.0f} to {net_captures:.0f}
+    %. Averaged over four mirror images this network has {mirrored:.0f} %; together with `surfaces`,
+    as `hybrid`, {hybrid:.0f} %. `surfaces-mirrored` is the vote of `surfaces` over four mirror
+    images. `region` averages the beat of pixels between steps of phase or brightness. `rapid`, the
+    network of Zhang et al. (2019), reads four phases; the sixteen are decoded and put back into
+    four. It is not fine-tuned. `phasor` needs two close frequencies, and had a second scan at 7.16
+    GHz. With the stray light left in, KDE finds {kde_stray:.0f} % at the photon limit, `surfaces`
+    {surfaces_stray:.0f} %: a few hundred points with a covered beam are worth their time.
     """,
     kde_stray=shares("photon", "stray kde").mean(),
     surfaces_stray=shares("photon", "stray surfaces").mean(),

@@ -8,10 +8,11 @@
 # symbol may be the transcription's; such entries are marked †. None affects the paper's main
 # result: light can be correlated at 7 and 14 GHz in free space.
 #
-# **Slips** are verified by algebra or arithmetic, and only they are called *proved*: entries with †
-# if the transcription is right. **Inconsistencies** are contradictions of two places in the paper.
-# **Remarks** add what the paper leaves out; its numbers there are right. **Inferences** are our
-# reading and could be wrong. This run prints the numbers under each entry; entry 29 was withdrawn.
+# **Slips** are verified by algebra or arithmetic, and only they are called *proved*: entries with
+# † if the transcription is right. **Inconsistencies** are contradictions of two places in the
+# paper. **Remarks** add what the paper leaves out; its numbers there are right. **Inferences**
+# are our reading and could be wrong. This run prints the numbers under each entry or group of
+# entries; entry 29 was withdrawn.
 
 # %% tags=["parameters", "hide-input"]
 profile: str = "book"  # size profile
@@ -160,12 +161,12 @@ print(
 holds[10] = np.isclose(wraps[1e8], 1.5, rtol=0.01)
 
 # %% [markdown]
-# ### 14 · The gauge step †
+# ### 14 · The gage step †
 # 0.5 mm − 0.4988 mm is 1.2 µm, not 12 µm.
 
 # %%
 off = said("fig14.height_true") - said("fig14.height")
-print(f"14: {1e6 * off:.1f} µm")
+print(f"14: a difference of {1e6 * off:.1f} µm")
 holds[14] = np.isclose(10 * off, said("fig14.height_error"))
 
 # %% [markdown]
@@ -362,7 +363,8 @@ gaps = bucket / (2 * np.interp(np.arcsin(contrasts) / 2, drives, j1) ** 2)
 primaries = rng.poisson(counts / 2 / GAIN, samples)
 variance = rng.gamma(primaries, GAIN).var() / (counts / 2)  # an avalanche with F = 2
 print(
-    f"6: {gaps.round(1)} times at {contrasts}; variance after gain {variance:.0f} times Poisson's"
+    f"6: {gaps.round(1).tolist()} times at {contrasts.tolist()}; "
+    f"variance after gain {variance:.0f} times Poisson's"
 )
 holds[6] = np.isclose(variance, 40, rtol=0.03)
 spectrum = np.fft.fft(4 + four, axis=0)
@@ -434,7 +436,8 @@ low = said("sec8.noise_sigma")
 light = (high**2 - low**2) / np.array([2 * GAIN, 1.0])
 scales = light / 2**14
 print(
-    f"20: {light[0]:.0f} counts, {scales[0]:.1f} or {scales[1]:.0f} full scales; {high / low:.2f}"
+    f"20: {light[0]:.0f} counts, {scales[0]:.1f} or {scales[1]:.0f} full scales; "
+    f"{high / low:.2f} times the noise"
 )
 holds[20] = scales.min() > 1
 

@@ -34,8 +34,6 @@ from cmtof_book.counts import Counts, counts_of
 from cmtof_book.scanned import SHOWN, kept_scan
 from cmtof_rooms.held_out import views
 
-EVERY = 16  # pixels, of which one counts in the calibration
-
 # Options of the simulation; the first four calibrate.
 CONDITIONS: dict[str, Fields] = {
     "released, σ = 300": {"noise": 300.0},
@@ -52,14 +50,15 @@ UNEVEN = {
     "released, σ = 1200, rough": False,
 }
 SCANS = {"scans, photon": "photon", "scans, captures": "captures"}  # and their noise
+USUAL = ("released, σ = 1200", "full, σ = 1200")
 # Conditions under which the sets of a method are counted.
 CHECKED = {
     "surfaces": (*CONDITIONS, *UNEVEN, *SCANS),
-    "hybrid": ("released, σ = 1200", "full, σ = 1200"),
+    "hybrid": USUAL,
+    "reference-contact": (*USUAL, *UNEVEN),
 }
 ABLATED = (
-    "released, σ = 1200",
-    "full, σ = 1200",
+    *USUAL,
     "full, σ = 1200, 10 mrad off",
     "released, σ = 1200, waves",
     "scans, captures",
@@ -75,11 +74,11 @@ def calibrate_sets() -> Values:
 
 
 def scores_of(measurement: Measurement) -> Array:
-    """Wraps off over the odds against a pixel's wraps."""
+    """Wraps off over the odds against a pixel's wraps, of every 16th pixel."""
     pixels = scored_pixels(unwrap(measurement), measurement)
-    off = np.abs(pixels["wrap_count"] - pixels["true_count"])[::EVERY]
-    sure = pixels["confidence"][::EVERY]
-    return off * sure / (1 - sure)
+    off = np.abs(pixels["wrap_count"] - pixels["true_count"])
+    sure = pixels["confidence"]
+    return (off * sure / (1 - sure))[::16]
 
 
 def with_uneven_walls(frame: Frame, number: int, waves: bool) -> Frame:
@@ -109,11 +108,11 @@ def measurements(condition: str, frames: Iterable[Frame]) -> Iterator[Measuremen
         yield seen
 
 
-def shares(seen: Iterable[Measurement], *names: str, **how: Any) -> Fields:
+def shares(seen: Iterable[Measurement], **how: Any) -> Fields:
     """Shares of pixels right or covered, and mean wraps in a set, of each measurement, by name."""
     counts = pd.DataFrame(counts_of(seen, **how))
     counts["right"] = counts["below"].str[0]
-    return counts[[*names]].div(counts["pixels"], axis=0).to_dict("list")  # pyright: ignore[reportCallIssue]
+    return counts[["right", *COVERAGE]].div(counts["pixels"], axis=0).to_dict("list")  # pyright: ignore[reportCallIssue]
 
 
 def main() -> None:
@@ -125,13 +124,11 @@ def main() -> None:
     for method, conditions in CHECKED.items():
         for one in conditions:
             seen = measurements(one, frames)
-            of = partial(shares, seen, "right", *COVERAGE, method=method)
+            of = partial(shares, seen, method=method)
             counts.keep("checked", method, one, of=of)
     for one, step in product(ABLATED, STEPS):
         seen = measurements(one, frames)
-        counts.keep(
-            "without", step, one, of=partial(shares, seen, "right", without={step})
-        )
+        counts.keep("without", step, one, of=partial(shares, seen, without={step}))
 
 
 if __name__ == "__main__":

@@ -278,4 +278,4 @@ def _publish(picture: Path, **about: Any) -> None:
             drawn = {"image/png": picture.read_bytes()}
         record.show(drawn | {"text/plain": about["alt"]}, "figure", **about)
         # pages put captions themselves
-        record.show({"text/markdown": about["caption"]}, "caption")
+        record.show({"text/markdown": f"*Figure.* {about['caption']}"}, "caption")

@@ -152,9 +152,9 @@ class Score:
 
     @property
     def undecided(self) -> str:
-        """What our own number leaves undecided: cases that disagree, or too wide an interval."""
+        """Where our own number lies, by cases, unless it agrees."""
         places = self.places
-        if len(places) < 2 and "undecided" not in places:
+        if places.keys() <= {"inside"}:
             return ""
         told = (f"{BESIDE[one]} {' and '.join(cases)}" for one, cases in places.items())
         return "; ".join(told).strip()
