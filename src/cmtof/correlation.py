@@ -129,7 +129,7 @@ def decode(correlation: ArrayLike, psi: ArrayLike) -> Decoded:
     For four sorted uniform steps this is Eq. 9 with the first Fourier bin (the paper's F_2 is
     the Nyquist bin, see the errata).
 
-    Correlations (K, ...) or (F, K, H, W), counts, at ``psi`` (K,) or (F, K), rad, in any order.
+    Correlations (K, ...), not of four axes, or (F, K, H, W), counts; ``psi`` (K,) or (F, K), rad.
     float32 stays float32, with a phase error below 5e-6 rad; anything else is computed in float64.
     Where a correlation is NaN, the phase is 0 and the others NaN. Raises a ValueError if shapes
     disagree or psi cannot be decoded.

@@ -88,7 +88,7 @@ def read_image(path: Path) -> NDArray:
 
 
 def depth_from_levels(levels: NDArray, scale: float | None) -> tuple[Array, list[str]]:
-    """Depth (H, W), m, NaN where a level means «unknown», and notes on odd levels."""
+    """Depth (H, W), m, of pixel values, NaN where integers mean «unknown»; notes on doubts."""
     if levels.dtype.kind == "f":
         return levels / (scale or 1.0), []
     notes = (

@@ -43,7 +43,7 @@ def save_dataset(dataset: Dataset, path: AnyPath) -> None:
 
 
 def storable(value: Any) -> Any:
-    """The value as netCDF can store it: numbers and text as they are, others as JSON or text."""
+    """The value as netCDF can store it: numbers and text kept, flags 0 or 1, others as JSON."""
     if isinstance(value, bool | np.bool_):
         return int(value)
     if isinstance(value, np.ndarray) and value.dtype.kind not in "iuf":

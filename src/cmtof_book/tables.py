@@ -48,7 +48,7 @@ class Row(NamedTuple):
         return read_card(self.file).sha256 if self.file.is_file() else ""
 
     def is_counted(self, held: Fields) -> bool:
-        """Whether these weights were counted before."""
+        """Whether a stored table has this row already, counted with the same weights."""
         return (
             any(self.name in frame["methods"] for frame in held["frames"])
             and held["weights"].get(self.name, "") == self.weights

@@ -59,7 +59,7 @@ def noise_terms(target: Plane, mode: str) -> Values:
 
 
 def phase_terms(target: Plane, mode: str) -> Values:
-    """Errors of phase in closed form, m: drift, codes, I/Q imbalance, back-reflection."""
+    """Rms depth errors, m, by phase errors: RF drift, phase codes, I/Q imbalance, reflection."""
     drifted = drift_spread(
         np.arange(POSITIONS.size) + OpticalRanger.age, np.arange(OpticalRanger.visits)
     )

@@ -249,7 +249,7 @@ class SimulatedInstrument:
         return slow + spread * correlated(own, before, self.settings.grain)
 
     def _shares(self, frequency: float, paths: Array, orders: Numbers) -> Complex:
-        """Light (N, O) that returns on all paths, as phasors of the harmonics (O,)."""
+        """Fraction (N, O) of the sent light that returns, as phasors of harmonics (O,)."""
         reach, fraction = paths
         way = self.settings.group_index * reach + self.settings.internal_path
         phase = 2 * TAU * frequency / SPEED_OF_LIGHT * way

@@ -116,7 +116,7 @@ class MhzCamera:
         return photons * self.transmission * self.efficiency
 
     def light(self, view: RayEnds, field: RayEnds) -> Light:
-        """F of all light of the emitter and S with that of the room, electrons of a step (H, W).
+        """Phasor F of the emitter's light, and charge S of all light (H, W), electrons a step.
 
         Direct, blurred, and scattered evenly from all of ``field``.
         """

@@ -1,4 +1,4 @@
-"""Objects before the instrument, as Figs. 1 and 14 to 16 show them; all of them our own.
+"""Objects in front of the instrument, as Figs. 1 and 14 to 16 show them; all of them our own.
 
 Meshes lie in the instrument's axes (m; x right, y down, z forward); vertices carry ``reflectance``
 at 532 nm and ``mirrored``, the weight of a specular law against a diffuse one, both 0 to 1.
@@ -99,7 +99,7 @@ def _refinish(piece: Trimesh, rng: Generator) -> Trimesh:
 
 
 def _stage(things: Iterable[Trimesh], wide: float, wall: float, *looks: float) -> Any:
-    """Things on a table before a wall ``wall`` m behind the origin, looks those of both."""
+    """Mesh of things on a table and of a wall at y = ``wall``, m; looks of table and wall."""
     board = _box((wide, 0.75 * wide, 0.01))
     back = _box((wide, 0.01, wide))
     return concatenate(

@@ -90,7 +90,7 @@ def _planks(s: Array, t: Array) -> Array:
 
 
 def _wood(s: Array, t: Array) -> Array:
-    """Rings of wood, cut along s."""
+    """Wood: share of the second colour, 0 to 1, as growth rings that are cut along s."""
     ring = t + 0.8 * _noise(s / 6, t / 2)
     return 0.5 + 0.5 * np.sin(2 * np.pi * ring)
 

@@ -248,7 +248,8 @@ def render_rooms(
     Parameters
     ----------
     root : Path
-        Folder, made where it is missing. It may hold a smaller set of the same settings.
+        Folder, made where it is missing. It may hold more or fewer rooms or views of the same
+        settings; listed are then those of this call.
     settings : Settings
     workers : int, optional
         Processes; by default one a core.
@@ -303,7 +304,7 @@ def _follow() -> None:
 
 
 def _claim(root: Path, settings: Settings) -> None:
-    """Write down what a folder holds, or make sure that it holds the same."""
+    """Write a set's settings into its folder; a ValueError if the folder holds anything else."""
     from cmtof import __version__
 
     for part in root.rglob(".*.part-*"):  # what a killed run had begun

@@ -105,7 +105,7 @@ def steps(phasor: Complex, axis: int) -> Complex:
 
 
 def noise_of_mean(mean: NDArray, power: Array, count: Array | int) -> Array:
-    """Standard deviation, rad, of the phase of a mean phasor; infinite of fewer than two.
+    """Standard deviation, rad, of the phase of a mean phasor; infinite for fewer than two.
 
     ``mean`` and ``power`` are the means of ``count`` phasors and of their squared magnitudes.
     """

@@ -173,10 +173,10 @@ def groups(first: Numbers, second: Numbers, count: int) -> Numbers:
 
 
 def patches(phasors: Complex, number: Numbers) -> tuple[Complex, Numbers]:
-    """Sums (P,) of phasors (H, W) over patches, each a region's part in a square; region of each.
+    """Sums (P,) of phasors (H, W) in each grid square's part of a region, and that region (P,).
 
-    A square is a twelfth of the image wide: what leaks into a region fills whole ones, and the
-    scatter of these sums tells of it as well as of the noise.
+    A square is a twelfth of the image's longer side wide: what leaks into a region fills whole
+    ones, and the scatter of these sums tells of it as well as of the noise.
     """
     row, column = np.indices(number.shape) // max(1, max(number.shape) // 12)
     place = number * number.size + row * number.shape[1] + column

@@ -88,7 +88,7 @@ def leg(
     num_nodes: Annotated[int, Option(min=1, help="Machines.")] = 1,
     strategy: Annotated[str, Option(help="Lightning's: auto, ddp.")] = "auto",
 ) -> None:
-    """Options of one run, which may be a part of a training, that do not change its result."""
+    """Options of one run that are not in its recipe: weights to begin with, time, hardware."""
 
 
 @group_options(recipe, leg)

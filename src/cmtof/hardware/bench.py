@@ -253,7 +253,7 @@ class Bench(EmergencyStop):
         self.check_interlock()
 
     def feed(self) -> None:
-        """Reset the devices' watchdogs and check the interlock, at most every so often."""
+        """Reset the watchdogs and check the interlock, at most each quarter of a timeout."""
         if monotonic() - self._fed < self._silence / 4:
             return
         self._fed = monotonic()

@@ -31,7 +31,7 @@ class Refused(InstrumentError):
 
 
 class Unsafe(InstrumentError):
-    """The interlock is open, the lock is lost, or a watchdog has tripped."""
+    """Not safe to go on: interlock, lock, watchdog, clock, laser power, or a stopped move."""
 
 
 _LATE = {"SerialTimeoutException", "TimeoutError"}

@@ -130,7 +130,7 @@ class RfDriver(Device):
         self._set("TABL", len(codes), 0.0, *codes)
 
     def trigger(self, on: bool) -> None:
-        """Let rising edges at the trigger input step the table, or not."""
+        """Let rising edges at the trigger input step through the phase table, or not."""
         self._switch("TRIG", on)
 
     def arm(self) -> None:

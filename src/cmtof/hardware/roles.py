@@ -1,4 +1,4 @@
-"""Interfaces of the devices that a scan uses: a Protocol for each role, in SI units.
+"""Interfaces of a scan's devices: a Protocol for each role, in SI units and dBm.
 
 A driver does it over a wire, a simulated device (`cmtof_lab.devices`) in process. Neither knows the
 other. What a method does on the wire is documented at the driver.
@@ -67,7 +67,7 @@ class RfRole(DeviceRole, Protocol):
         """Set the watchdog: RF turns off when no request comes for so many seconds."""
 
     def output(self, on: bool, *, lock_timeout: float = 10.0) -> None:
-        """Switch RF; if on, wait for the lock."""
+        """Switch RF on or off; if on, wait up to ``lock_timeout``, s, for the lock."""
 
     def status(self) -> RfStatus:
         """State of output, lock, phase table and trip."""

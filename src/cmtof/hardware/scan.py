@@ -28,7 +28,7 @@ from cmtof.measurement import Measurement, open_measurement
 
 
 def finished_measurement(output: Path, plan: Plan) -> Measurement:
-    """Measurement of a finished scan; a ValueError if it has other settings or is none."""
+    """Measurement of a finished scan; a ValueError if its settings are not the plan's."""
     measurement = open_measurement(output)
     old = json.loads(measurement.dataset.attrs.get("settings", "{}"))
     check_settings(

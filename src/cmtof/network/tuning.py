@@ -46,8 +46,8 @@ def fine_tune(
 
     Examples are a measurement, its wraps of the lowest frequency (H, W), -1 where unknown, and
     depth (H, W), m. The rate falls to zero; crops are mirrored, some turned, and moved to random
-    depths, for a few scans hold few wraps; norms keep their means. Returned are losses and a tuned
-    copy, the average over the last hundred steps.
+    depths, for a few scans hold few wraps; norms keep their means. Returned are a tuned copy, the
+    average over the last hundred steps, and losses.
     """
     keep_pages()
     views = _views(trained, examples)

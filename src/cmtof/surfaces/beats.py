@@ -23,11 +23,11 @@ _PASSES = 3  # over the cells of a surface, each with new weights
 _CREDIBLE = 3.0  # deviations from these beyond which a cell counts less
 
 Beats = tuple[Array, Array, Array]
-"""Offset by the beat of each surface (N,), wraps, its noise, and the coherence it rests on."""
+"""Offset (N,), wraps, of each surface by its summed beat; standard deviation; coherence."""
 
 
 def pooled_beats(field: Field, cells: Cells) -> Beats:
-    """Offset by the beat of each surface (N,), wraps, its noise, and the coherence it rests on.
+    """Offset (N,), wraps, of each surface by its summed beat; standard deviation; coherence.
 
     Pixels of rough surfaces are turned back by their own departure, which takes a part of the
     offset along: it is pooled again without the offset that was found.

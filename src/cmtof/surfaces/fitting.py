@@ -44,7 +44,7 @@ class Fit(NamedTuple):
 
 @njit()
 def _moments(field, region, q):  # pragma: no cover - compiled
-    """Sums over rectangles: S, E, b, c (4,), g (6,), h (6,), and the lower half of M (6, 6)."""
+    """S, E, slope and curvature in wraps (4,); gradient (6,), mixed (6,), lower Hessian (6, 6)."""
     places = blocks_of_boxes(region.boxes)
     total, known = block_sums(field, region, q, places)
     functions = functions_of_blocks(field, places)

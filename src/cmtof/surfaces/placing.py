@@ -168,7 +168,7 @@ def _closure(excess: Array, most: Array) -> float:
 
 
 class Planes(NamedTuple):
-    """Normals of planes, one entry (N,) each, zeros for what is bent."""
+    """Unit normals of surfaces (N, 3), and how those of planes turn by a wrap, with noise."""
 
     normal: Array  # (N, 3)
     turn: Array  # (N, 3), its change by a wrap

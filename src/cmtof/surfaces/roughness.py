@@ -112,7 +112,7 @@ def pooled_phasors(
 
 
 def sum_surfaces(main: Numbers, images: NDArray, count: int) -> Array:
-    """Sums (..., N + 1) of images (..., h, w) over the cells of each surface, then of none."""
+    """Sums (..., N + 1) of cell images (..., h, w) by surface; the last of cells without one."""
     out = np.zeros((*images.shape[:-2], count + 1), np.result_type(images, float))
     np.add.at(out, (..., main), images)  # pyright: ignore[reportArgumentType]
     return out

@@ -56,7 +56,7 @@ def is_possible(field, q, boxes):  # pragma: no cover - compiled
 
 @njit()
 def solve(matrix, right, size):  # pragma: no cover - compiled
-    """M^-1 right for the first functions, by elimination, M scaled to a unit diagonal."""
+    """Solution (6,) of ``matrix x = right`` for the first ``size`` unknowns; the rest is zero."""
     left = np.empty((BENT, BENT))
     scale = np.empty(BENT)
     out = np.zeros(BENT)
