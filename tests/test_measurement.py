@@ -208,11 +208,18 @@ def test_a_range_may_be_an_array_of_one_number():
     [
         ({"correlation": stack().T}, "Put frequency and step first"),
         ({"correlation": with_sample(np.inf)}, "finite correlation"),
-        ({"correlation": with_sample(9.97e36)}, "correlation, got 1 others"),
+        (
+            {
+                "correlation": with_sample(9.97e36),
+                "mask": ~LEFT_OUT,
+                "source": "simulation",
+            },
+            "correlation, got 1 others",
+        ),
         ({"correlation": stack().astype("datetime64[s]")}, "numbers as correlation"),
         ({"frequencies": (7.15e9, 10**400)}, "numbers as frequency"),
-        ({"depth": np.ones((2, 2))}, "one image size"),
-        ({"camera": np.eye(3)}, "camera with dimensions"),
+        ({"depth": ONES[1:]}, "one image size"),
+        ({"camera": ONES}, "camera with dimensions"),
         *WRONG["measurements"],
     ],
 )

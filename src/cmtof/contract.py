@@ -217,10 +217,13 @@ def _mask_samples(samples: Array, valid: Flags, simulated: bool) -> Array:
     its files a masked pixel keeps its samples, unless they exceed twice the largest valid one.
     """
     with np.errstate(invalid="ignore"):
-        unknown = ~valid | (np.abs(samples) >= _NOT_WRITTEN)
+        lost = np.abs(samples) >= _NOT_WRITTEN
+        unknown = ~valid
         if simulated and not np.all(valid):
             largest = np.abs(samples).max(axis=tuple(range(samples.ndim - 2)))
-            unknown &= ~(largest <= 2 * largest[valid].max(initial=0))
+            known = valid & (largest < _NOT_WRITTEN)
+            unknown = unknown & ~(largest <= 2 * largest[known].max(initial=0))
+    unknown = unknown | lost
     if not np.any(unknown):
         return samples
     return np.where(unknown, np.float32(np.nan), samples)
