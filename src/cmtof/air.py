@@ -15,7 +15,7 @@ def group_index(
     """Group index of dry air, ``n_g = n - lambda dn/dlambda``, from m, K and Pa; 1 at 0 Pa.
 
     Standard air of P. E. Ciddor, Appl. Opt. 35, 1566 (1996), eq. 1, scaled as an ideal gas.
-    Vapour changes it by less than 5e-7 and is left out.
+    Vapour is left out: up to 60 % humidity at 293 K it lowers the index by less than 5e-7.
 
     >>> f"{group_index(temperature=288.15) - 1:.4e}"
     '2.8975e-04'

@@ -61,7 +61,7 @@ def phase_bound(
 
 
 def linear_phase_noise(amplitude: ArrayLike, variance: ArrayLike, steps: int) -> Array:
-    """Standard deviation of the phase, rad: ``sqrt(2 v / K) / a`` of K steps of variance v."""
+    """Phase noise, rad, as long as it is small: ``sqrt(2 v / K) / a`` of K steps of variance v."""
     return np.sqrt(2 * np.asarray(variance) / steps) / np.asarray(amplitude)
 
 
@@ -142,7 +142,7 @@ def wrap_noise(
 def wrap_probability(
     noise_low: ArrayLike, noise_high: ArrayLike, *, frequencies: Array | Pair
 ) -> Array:
-    """Probability that one pixel's beat gives the right wrap, ``erf(1 / (2 sqrt2 sigma_n))``.
+    """Probability that one pixel's beat gives the right wrap: `rounding_odds` of `wrap_noise`.
 
     >>> p = wrap_probability(0.1336, 0.1336, frequencies=(7.15e9, 14.32e9))
     >>> f"{p:.1%}"

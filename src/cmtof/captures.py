@@ -1,4 +1,4 @@
-"""Real captures of the all-optical 7.15 GHz prototype line, as published with GHz-FMCW.
+"""Published captures of a later 7.15 GHz instrument by some of the paper's authors (GHz-FMCW).
 
 Pan et al., Opt. Express 32(16), 2024, published the phase maps (``phase/scene_*_phase.csv``, rad)
 of raster scans beside a reference depth (``depth/scene_*_depth.csv``, mm), not copied here. It is
@@ -17,7 +17,7 @@ from cmtof.types import Array
 
 
 def data_root() -> Path | None:
-    """Data folder: ``CMTOF_DATA``, else ``../shared/data`` or ``data`` of the checkout, or None."""
+    """Folder with ``captures``: ``CMTOF_DATA`` if set, else by or in the checkout; or None."""
     checkout = Path(__file__).parents[2]
     named = os.environ.get("CMTOF_DATA")
     places = (

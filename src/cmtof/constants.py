@@ -1,4 +1,4 @@
-"""Constants of nature and of the prototype, each with its section in the paper. SI units."""
+"""Constants of nature, of the prototype and of its simulation, with units and sections (Sec.)."""
 
 SPEED_OF_LIGHT = 299_792_458.0  # in vacuum, m/s (exact, SI)
 FREQUENCY_SINGLE = 7.15e9  # modulation in the single mode, Hz (Sec. 6.2)

@@ -70,7 +70,7 @@ def unambiguous_range(frequencies: ArrayLike) -> float:
 
 
 def checked_dataset(dataset: Dataset) -> Dataset:
-    """The checked dataset: SI units, floats, NaN where masked; a ValueError says what is wrong."""
+    """Checked dataset: SI units, floats, NaN where masked unless simulated; else a ValueError."""
     data = in_si_units(with_coordinates(dataset))
     frequencies = checked_frequencies(data["frequency"].to_numpy())
     data = data.assign_coords(frequency=data["frequency"].copy(data=frequencies))
@@ -149,7 +149,7 @@ def in_si_units(dataset: Dataset) -> Dataset:
 
 
 def _check_range(dataset: Dataset) -> None:
-    """Make range_min < range_max, within `MOST_WRAPS` wraps, floats, or raise a ValueError."""
+    """Make the range's ends floats; a ValueError unless they rise within `MOST_WRAPS` wraps."""
     ends = [dataset.attrs[key] for key in ("range_min", "range_max")]
     plain = all(
         np.size(end) == 1 and np.asarray(end).dtype.kind in "iuf" for end in ends
@@ -170,7 +170,7 @@ def _check_range(dataset: Dataset) -> None:
 
 
 def _with_valid_values(data: Dataset) -> Dataset:
-    """The dataset with float samples, NaN where masked; a ValueError for invalid samples."""
+    """Dataset of float samples, NaN if masked and not simulated; a ValueError for invalid ones."""
     valid = np.True_
     if "mask" in data:
         # a fill value arrives as NaN, and means that nobody called the pixel valid
@@ -211,7 +211,7 @@ def _with_valid_values(data: Dataset) -> Dataset:
 
 
 def _mask_samples(samples: Array, valid: Flags, simulated: bool) -> Array:
-    """Samples (..., H, W) with NaN in masked pixels and where the file was never written.
+    """Samples (..., H, W), NaN where a file was never written and, unless simulated, where masked.
 
     The simulator masks pixels that are not scored, although it measured them like the others. In
     its files a masked pixel keeps its samples, unless they exceed twice the largest valid one.

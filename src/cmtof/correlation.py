@@ -95,7 +95,7 @@ def decoding_weights(psi: ArrayLike) -> Array:
     """Least-squares weights of (offset, in-phase, quadrature) for any set of reference phases.
 
     ``C = d + x cos(psi) - y sin(psi)`` with ``x + i y = a exp(i phi)``: weights (3, K) of phases
-    ``psi`` (K,), rad, in any order and number. Raises the ValueError of `check_psi`.
+    ``psi`` (K,), rad, three or more in any order. Raises the ValueError of `check_psi`.
     """
     psi = np.asarray(psi, float)
     check_psi(psi)
@@ -124,7 +124,7 @@ def check_psi(psi: Array) -> None:
 
 
 def decode(correlation: ArrayLike, psi: ArrayLike) -> Decoded:
-    """Fit offset, amplitude and phase to correlations at any known psi (Eq. 9, Sec. 5.4).
+    """Fit phase, amplitude and offset to correlations at known phases psi (Eq. 9, Sec. 5.4).
 
     For four sorted uniform steps this is Eq. 9 with the first Fourier bin (the paper's F_2 is
     the Nyquist bin, see the errata).
@@ -172,7 +172,7 @@ def phase_from_correlation(correlation: ArrayLike, psi: ArrayLike) -> Array:
 
 
 def residual_noise(correlation: ArrayLike, psi: ArrayLike) -> float:
-    """Standard deviation of the noise of one sample, counts, from the residual of the fit.
+    """Standard deviation of one correlation's noise, counts, from residuals of fitted cosines.
 
     The median absolute residual of all pixels, scaled to a Gaussian: a typical pixel's noise.
     Correlations (K, ...) of many pixels at more than three phases ``psi`` (K,), rad: three are

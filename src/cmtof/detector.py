@@ -1,4 +1,4 @@
-"""Detection: photon and electronic noise, low-pass integration, ADC.
+"""Detection: photon and electronic noise of counts, and quantisation by an ADC.
 
 All-optical correlation has no charge buckets, so its noise is Poisson-Gaussian (Sec. 5.3); the
 multi-bucket pixel of a correlation camera subtracts two Poisson counts and is Skellam-Gaussian.

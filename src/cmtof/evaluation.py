@@ -33,7 +33,7 @@ _EDGES = np.geomspace(1e-7, 1e2, 18_001)  # of depth errors, m, 0.12 % apart: me
 
 
 def scored_pixels(result: xr.Dataset, measurement: Measurement) -> Pixels:
-    """Result and truth of the P valid pixels with a known depth: arrays (P,) by name.
+    """Result and truth of the P valid, unwrapped pixels with a known depth: arrays (P,) by name.
 
     ``wrap_count``, ``true_count`` (the paper's floor), ``consistent``, ``true_consistent`` (the
     wraps that turn the measured phase into depth), ``depth_error`` (m), ``confidence``; of sets of
@@ -80,7 +80,7 @@ def scored_pixels(result: xr.Dataset, measurement: Measurement) -> Pixels:
 
 
 class Tally:
-    """Counts of one method over frames: a few numbers per frame, so that memory is bounded."""
+    """Counts of one method's right and wrong wraps: a few numbers per frame, in bounded memory."""
 
     def __init__(self) -> None:
         self.frames: list[Fields] = []
@@ -90,7 +90,7 @@ class Tally:
         self._errors = np.zeros(_EDGES.size + 1, np.int64)
 
     def add(self, pixels: Pixels) -> Fields:
-        """Add the `scored_pixels` of a frame; return its counts, ``below`` as in `LIMITS`."""
+        """Add the `scored_pixels` of a frame; return its counts, ``below`` each of `LIMITS`."""
         delta = np.abs(pixels["wrap_count"] - pixels["true_count"])
         right = pixels["consistent"] == pixels["true_consistent"]
         error = np.abs(pixels["depth_error"])
@@ -142,7 +142,7 @@ def score(frames: Pixels | Iterable[Pixels]) -> Values:
 def measure_frame(
     frame: Frame, methods: Iterable[str], *, number: int = 0, **conditions: Any
 ) -> dict[str, Measurement]:
-    """Simulated measurement of a frame by method name, with the same noise and scored pixels.
+    """Simulated measurement of a frame for each method by name, with equal noise and scored pixels.
 
     Methods that need other frequencies get their own measurement. ``conditions`` are options of
     `cmtof.simulation.simulate`; the noise is drawn from (seed, number).
@@ -271,7 +271,7 @@ def read_counts(path: AnyPath) -> list[Fields]:
 def rates(
     counts: Sequence[Named], method: str, *, against: str = "", draws: int = 2000
 ) -> Interval:
-    """Rates (5,) of a method over counted frames, with 95 % intervals over redrawn frames.
+    """Rates (5,) of a method over the frames of ``counts``, with 95 % intervals by bootstrap.
 
     δ < 1, δ < 2, δ < 3, δ ≥ 10 and consistent, less those of the method ``against``.
     """

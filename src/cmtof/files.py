@@ -1,4 +1,4 @@
-"""Files that are either whole or not there: written beside, then renamed; checks of files."""
+"""Files written whole or not at all, by renaming a temporary file; reading and checks of files."""
 
 import os
 import re

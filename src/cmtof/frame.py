@@ -61,7 +61,7 @@ class Frame:
         vars(self).update(depth=depth, intensity=light, camera=camera)
 
     def save(self, path: AnyPath) -> None:
-        """Write a compressed ``.npz`` (float32)."""
+        """Write the frame, but for its name, as a compressed ``.npz`` with float32 images."""
         arrays = {"depth": self.depth, "intensity": self.intensity}
         if self.camera is not None:
             arrays["camera"] = self.camera
@@ -71,7 +71,7 @@ class Frame:
             np.savez_compressed(part, **arrays)  # pyright: ignore[reportArgumentType]
 
     def middle(self, height: int, width: int) -> "Frame":
-        """Central part of the frame, at most that large, px; the camera is shifted with it."""
+        """Central part of the frame, at most ``height`` x ``width`` px, with a shifted camera."""
         top = max(0, (self.depth.shape[0] - height) // 2)
         left = max(0, (self.depth.shape[1] - width) // 2)
         part = np.s_[top : top + height, left : left + width]

@@ -1,4 +1,4 @@
-"""Unwrapping by surfaces and a network: surfaces share an offset, which both help to choose.
+"""Unwrapping by surfaces and a network: both help to choose the wrap offset of each surface.
 
 Each surface is off by a number m of wraps. Its beat and shape give m a Gaussian, the network the
 mean of its log-odds over the pixels of the surface, and contacts join surfaces as without it:

@@ -93,7 +93,7 @@ class Hypersim:
         )
 
     def frame(self, view: View, *, blank: bool = False) -> Frame:
-        """Frame of a view, its intensity linear green; with ``blank`` 1 where no colour file is."""
+        """Frame of a view, its intensity linear green, or 1 if ``blank`` and no colour is there."""
         depth = read_array(view.file(self.root, "depth"), 2)
         notes = []
         if depth.dtype == np.float16:
@@ -252,7 +252,7 @@ def read_array(path: Path, dimensions: int) -> NDArray:
 
 
 def write_metadata(root: Path, shape: Shape, scenes: Named) -> None:
-    """Write both tables of a rendered set, all of one shape H, W.
+    """Write the tables `CAMERAS` and `SPLIT` of a rendered set whose views all have ``shape`` H, W.
 
     A scene has a partition, a focal length in px, and views by camera and frame number.
     """

@@ -121,7 +121,7 @@ def depth_from_levels(levels: NDArray, scale: float | None) -> tuple[Array, list
 
 
 def resample(image: NDArray, shape: tuple[int, ...]) -> tuple[NDArray, str]:
-    """The image resampled to the shape (H, W) of its depth, by nearest pixels, and a note on it."""
+    """The image resampled to ``shape`` (H, W), but as it is if proportions differ; a note on it."""
     height, width = image.shape[:2]
     if (height, width) == shape or abs(
         height * shape[1] / (width * shape[0]) - 1

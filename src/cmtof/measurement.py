@@ -27,11 +27,11 @@ from cmtof.validation import numbers
 
 
 class Measurement:
-    """Correlation images with all that is needed to turn them into depth.
+    """Correlation images, or phase maps, with all that is needed to turn them into depth.
 
     ``dataset`` is described at the top of this module; a ValueError says if something in it is
     missing, misshapen, no number, not finite or saturated. It is held in SI units and in floats,
-    NaN where a pixel is masked.
+    NaN where a pixel is masked, unless it was simulated.
     """
 
     def __init__(self, dataset: Dataset) -> None:
@@ -264,7 +264,7 @@ def _variable(name: str, array: NDArray, given: ArrayLike) -> tuple:
 def _valid_pixels(
     images: Mapping[str, ArrayLike], mask: ArrayLike | None
 ) -> NDArray | None:
-    """Zero or NaN (H, W) where the mask or a masked array hides a pixel; None if none does."""
+    """Mask (H, W), 0 or NaN where the mask or a masked array hides a pixel; None without either."""
     parts = []
     if mask is not None:
         parts.append(numbers(np.ma.filled(mask, 0), "mask"))

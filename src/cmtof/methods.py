@@ -259,7 +259,7 @@ def find_method(name: str) -> Method:
 
 
 def names_of(chosen: str, protocol: str = "released") -> list[str]:
-    """Names of a comma-separated list; ``all`` is every method but references and untrained ones.
+    """Methods named in a comma-separated list; ``all``: all but references and untrained networks.
 
     >>> names_of("cmtof, beat")
     ['surfaces', 'beat']

@@ -85,7 +85,7 @@ class TwoPassModulator:
 
     @property
     def effective_eta(self) -> float:
-        """Drive amplitude of a pass that a matched mirror would need, eta cos(delta / 2), rad.
+        """Drive amplitude, rad, of equal modulation with a matched mirror: eta cos(delta / 2).
 
         V(t) and V(t + dt) add up to ``2 eta cos(delta/2) sin(theta + delta/2)``.
         """
@@ -197,7 +197,7 @@ DOUBLED = TwoPassModulator(
 
 
 def single_mode_harmonics(eta: ArrayLike, count: int) -> Harmonics:
-    """Coefficients (..., count + 1) of the single mode by the Jacobi-Anger expansion.
+    """Fourier coefficients (..., count + 1) of the ideal single mode, by Jacobi-Anger expansion.
 
     ``I = 1/2 - sum_{k odd} J_k(2 eta) sin(k theta)``, hence W_0 = 1/2, W_k = i J_k(2 eta)/2 for odd
     k and 0 for even. ``eta`` (...) is the drive amplitude of one pass, rad.
@@ -207,7 +207,7 @@ def single_mode_harmonics(eta: ArrayLike, count: int) -> Harmonics:
 
 
 def doubled_mode_harmonics(eta: ArrayLike, count: int) -> Harmonics:
-    """Coefficients (..., count + 1) of the doubled mode with dark bias, by drive harmonic.
+    """Fourier coefficients (..., count + 1) of the ideal doubled mode, by harmonics of the drive.
 
     ``I = (1 - J_0(2 eta))/2 - sum_{k even >= 2} J_k(2 eta) cos(k theta)``, hence W_0 = (1 - J_0)/2,
     W_k = -J_k/2 for even k and 0 for odd; ``[..., ::2]`` are the harmonics of twice the drive.

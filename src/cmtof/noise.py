@@ -55,7 +55,7 @@ def local_phase_noise(phase: ArrayLike, *, window: int = 5) -> Array:
     """Standard deviation (H, W) of the phase about a quadratic fitted to each window, rad.
 
     The sum of squares is divided by the ``window^2 - 6`` degrees of freedom. Smooth surfaces cancel
-    up to their third derivative; edges, and noise beyond about 0.6 rad, do not. NaN where the
+    up to second order; edges, and noise beyond about 0.6 rad, do not. NaN where the
     window reaches beyond the map.
     """
     flat = np.angle(_windows_without_slope(phase, window))
@@ -121,7 +121,7 @@ def _residual_matrix(window: int) -> Array:
 
 
 def _fit_kernel(window: int) -> Array:
-    """Weights (window, window) of the values in the fit's residual at the centre."""
+    """Weights (window, window) of values in the residual of their quadratic fit at the centre."""
     return _residual_matrix(window)[window**2 // 2].reshape(window, window)
 
 
@@ -135,9 +135,9 @@ def _with_nan_border(values: Array, window: int) -> Array:
 
 
 def fit_response(shape: Shape, *, window: int = 9) -> Array:
-    """Transfer function (H, W) of `local_residual` over the frequencies of an FFT, 0 to 1.3.
+    """Transfer function (H, W) of `local_residual` over the frequencies of an FFT, 0 to 1.8.
 
-    About one beyond ``1 / window`` per pixel; spectra are multiplied by its square.
+    From 7 px on it is 0.7 to 1.3 beyond ``1.5 / window`` per pixel. Spectra take its square.
     """
     kernel = np.zeros(shape)
     kernel[:window, :window] = _fit_kernel(window)
@@ -231,7 +231,7 @@ def fit_line_noise(
 
 
 def linear_from_spread(spread: float) -> float:
-    """Noise over amplitude, rad, of phases with a standard deviation: inverse of `phase_spread`."""
+    """Linear phase noise, rad, at which phases deviate by ``spread``: inverse of `phase_spread`."""
     if not 1e-6 < spread < phase_spread(_LARGEST):
         raise ValueError(
             f"Expected a phase noise between 0 and {np.pi / np.sqrt(3):.2f} rad, "

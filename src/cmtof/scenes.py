@@ -56,7 +56,7 @@ def load_frame(
 
 
 def _refuse_options(path: Path, options: Iterable[Any]) -> None:
-    """Raise a ValueError if options are given for what says all by itself."""
+    """Raise a ValueError if an option is set that the file or folder settles by itself."""
     if any(map(np.any, options)):
         raise ValueError(
             f"Expected light, scale and kind of depth within {path.name}, got them as options. "

@@ -116,9 +116,9 @@ def staged_depth(
 ) -> tuple[Array, Flags, Pair]:
     """Depth (H, W) as a protocol sees it, m, the mask of pixels it scores, and its range, m.
 
-    ``"released"``: the scene is shrunk to at most 1.195 m and pixels outside wraps 36 to 56 are
-    masked, as the authors' released code does. ``"full"``: nothing is scaled, pixels beyond the
-    beat's range (7.495 m) are masked. The depth is NaN where unknown; the range is
+    ``"released"``: the scene is shrunk until 99.9 % lie within 1.195 m, and pixels outside wraps 36
+    to 56 are masked, as the authors' released code does. ``"full"``: nothing is scaled, pixels
+    beyond the beat's range (7.495 m) are masked. The depth is NaN where unknown; the range is
     ``min <= z < max``. ValueError for another protocol, or if no pixel lies in the range.
     """
     depth = np.asarray(depth, float)

@@ -79,7 +79,7 @@ def open_netcdf(path: AnyPath) -> Iterator[Dataset]:
 
 
 def _open_handle(path: Path) -> Dataset:
-    """Open netCDF-3 or, by the first bytes of a file, HDF5 that links to no other file."""
+    """Open a file as netCDF-3 or HDF5, by its first bytes; a ValueError if it links to others."""
     import h5py
 
     with path.open("rb") as file:
@@ -111,7 +111,7 @@ def _with_dimension_names(handle: Dataset) -> Dataset:
 
 
 def load_into_memory(dataset: Dataset) -> Dataset:
-    """The same part of an opened dataset, read into memory; a ValueError if its file is damaged."""
+    """An opened dataset, or a part of one, read into memory; a ValueError for a damaged file."""
     with reading(
         "a whole netCDF4 file", dataset.encoding.get("source", "a part of it")
     ):

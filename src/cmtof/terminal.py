@@ -43,7 +43,7 @@ EXTRAS = {
 
 
 def prepare_streams() -> None:
-    """Let output work in encodings without our characters, and with closed streams."""
+    """Let output work in encodings that lack some characters, and where streams are closed."""
     codecs.register_error("cmtof", _replace_unencodable)
     for name in ("stdout", "stderr"):
         stream = getattr(sys, name)
@@ -73,7 +73,7 @@ def escape_controls(text: object) -> str:
 
 
 def error_line(error: Exception) -> str:
-    """Message of one line for an error; an error that is not of our pattern is called a defect."""
+    """One-line message for an error; called a defect unless its kind or wording is foreseen."""
     if isinstance(error, OSError) and error.strerror:
         return (
             f"Expected to read or write {error.filename or 'a file'}, got «{error.strerror}». "

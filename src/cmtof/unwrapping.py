@@ -42,7 +42,7 @@ def unwrap(
     own; pixels below ``min_confidence`` are masked; with a measurement of a ``covered`` beam stray
     light is taken away before, as by `Measurement.without_stray_light`; ``options`` are the
     method's, for instance ``window=81`` of ``beat``. ValueError for an unknown method, a bad range
-    or share, or a measurement that the method, or the covered beam, does not suit.
+    or confidence, or a measurement that the method, or the covered beam, does not suit.
 
     On (y, x) the result has ``wrap_count``, the estimate of ``floor(phi / 2 pi)`` at the lowest
     frequency, -1 where masked; ``depth``, m, of the measured phase with the
@@ -90,7 +90,7 @@ def unwrap(
 def _interval_variables(
     images: Fields, components: Components | None, measurement: Measurement
 ) -> Fields:
-    """Intervals of wraps and, unless it worked in tiles, components: variables by name."""
+    """Intervals of wraps and, if the method returned any, components: variables by name."""
     known = images["wrap_count"][1] >= 0
     variables: Fields = {
         name: (("y", "x"), np.where(known, most, -1).astype(np.int16))
@@ -154,7 +154,7 @@ def _change_range(measurement: Measurement, low: float, high: float) -> Measurem
 def unwrap_file(
     source: AnyPath, output: AnyPath, *, tile: int = 0, margin: int = 128, **how: Any
 ) -> Iterator[Unwrapped]:
-    """Unwrap a file into a ``.nc``; a ``.nc`` that is larger than memory in square tiles.
+    """Unwrap a file into a ``.nc``; with ``tile`` in square tiles, for a ``.nc`` beyond memory.
 
     A tile of ``tile`` px is unwrapped together with ``margin`` px around it, by `unwrap` with the
     options ``how``. Yields the share of each tile in the image, its measurement and its result;

@@ -1,4 +1,4 @@
-"""Checks of inputs before any computation, each with an error of one sentence."""
+"""Checks of inputs before any computation, each with an error message of one line."""
 
 import json
 from typing import Any, TypeVar

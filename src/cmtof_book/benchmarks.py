@@ -27,19 +27,19 @@ from cmtof_book import RESULTS, THREADS
 
 
 def seconds(work: Callable[[], object], repeats: int = 20) -> float:
-    """Median time of a call, once caches and the memory allocator have settled."""
+    """Median time of a call, s, once caches and the memory allocator have settled."""
     return median(repeat(work, number=1, repeat=repeats)[repeats // 4 :])
 
 
 def large_frame() -> Any:
-    """A test view in the paper's size."""
+    """A view of a test room in the paper's size, 768 x 1024 px."""
     from cmtof_rooms.held_out import SETTINGS, view_across
 
     return view_across(9, replace(SETTINGS, height=768, width=1024))
 
 
 def ratios() -> None:
-    """Print every ratio."""
+    """Print the time of decoding over a copy's, of simulating over that of drawing its noise."""
     from cmtof.correlation import decode
     from cmtof.simulation import QUADRATURES, simulate
 
@@ -80,13 +80,13 @@ def cost(method: str, protocol: str) -> Fields:
 
 
 def _memory(name: str) -> float:
-    """A line of the process's status, MB."""
+    """Memory of this process, MB, by the name of a line in ``/proc/self/status``."""
     status = Path("/proc/self/status").read_text("utf-8")
     return int(status.partition(f"{name}:")[2].split()[0]) / 1024
 
 
 def store() -> None:
-    """Measure every method that is ready, print and store."""
+    """Print and store the `cost` of every method that is ready."""
     os.environ |= dict.fromkeys(THREADS, "1")
     from cmtof import __version__
     from cmtof.methods import names_of

@@ -36,7 +36,7 @@ class Claim(NamedTuple):
 
     @property
     def why(self) -> str:
-        """What stands behind that verdict, in one line."""
+        """Why the claim has this outcome, in one line."""
         behind = [one for one in self.scores if one.verdict == self.outcome]
         if self.outcome == "untested":
             return behind[0].reason
@@ -51,7 +51,7 @@ class Claim(NamedTuple):
         return " ".join(lines) or behind[0].number.depends[0].ours
 
     def left_open(self, behind: Iterable[Score]) -> list[str]:
-        """What our numbers leave undecided, with the names of those where there are several."""
+        """Sentences on what our numbers leave undecided, with names if a claim has several."""
         names = defaultdict(list)
         for one in behind:
             names[one.undecided].append(self.about["keys"][one.number.key])
@@ -63,7 +63,7 @@ class Claim(NamedTuple):
 
     @property
     def dependencies(self) -> dict[str, bool]:
-        """What we have of each thing on which its numbers depend, and whether it is the paper's."""
+        """Whether each thing on which the numbers depend is the paper's, by a text on ours."""
         held = {}
         for score in sorted(self.scores, key=lambda one: not one.chapter):
             for one in score.number.depends:

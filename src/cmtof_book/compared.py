@@ -49,7 +49,7 @@ class Compared:
         return {name: part for name, part in vars(self).items() if part is not None}
 
     def tolerance(self, error: ArrayLike = 0.0) -> Array:
-        """Largest difference to a number found now, whose standard error is ``error``."""
+        """Largest difference allowed to a number found now, whose standard error is ``error``."""
         if self.kind == "closed form":
             return ROUNDING * np.abs(self.value)
         noise = STANDARD_ERRORS * np.hypot(self.error or 0.0, error)

@@ -99,7 +99,7 @@ def show_swipe(scene: Scene, left: str, right: str) -> None:
 
 
 def _encode_wraps(scene: Scene, *labels: str) -> NDArray[np.uint8]:
-    """True wraps and those by two methods, beside them phase and odds, 255 for one, as colours."""
+    """Image (H, 2 W, 3): wraps, true and by two methods; beside them phase, confidences × 255."""
     counts = np.dstack([scene.count(), *map(scene.count, labels)])
     shares = np.dstack(
         [

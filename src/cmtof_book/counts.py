@@ -1,4 +1,4 @@
-"""Counts of measurements that are unwrapped, kept in a file so that none is counted twice."""
+"""Counts of right pixels in unwrapped measurements, kept in a file: none is computed twice."""
 
 from collections.abc import Callable, Iterable
 from pathlib import Path
@@ -19,7 +19,7 @@ class Counts:
         self.held = read_json(path)
 
     def keep(self, *keys: str, of: Callable[[], Any]) -> Any:
-        """What is held below some keys; what is not yet held is computed and stored."""
+        """Value below some keys of the file, computed by ``of`` and stored if it is missing."""
         *above, last = keys
         place = self.held
         for key in above:
@@ -31,12 +31,12 @@ class Counts:
         return place[last]
 
     def store(self, **about: Any) -> None:
-        """Write everything."""
+        """Add ``about`` to what is held, and write it all to the file."""
         self.held |= about
         write_json(self.path, self.held)
 
 
 def counts_of(scans: Iterable[Measurement], **options: Any) -> list[Fields]:
-    """Counts of each measurement, unwrapped with these options."""
+    """Counts by `Tally.add`, of pixels by error, of each measurement, unwrapped with options."""
     pixels = (scored_pixels(unwrap(scan, **options), scan) for scan in scans)
     return [*map(Tally().add, pixels)]

@@ -66,7 +66,7 @@ ABLATED = (
 
 
 def calibrate_sets() -> Values:
-    """Half-widths of the sets over the odds against a pixel's wraps."""
+    """Half-width of each set of `SETS` over the odds against a pixel's own wrap, from 80 views."""
     frames = [*islice(views(301, tested=False), 80)]
     seen = zip(*(measurements(one, frames) for one in [*CONDITIONS][:4]), strict=True)
     scores = [np.concatenate([*map(scores_of, room)]) for room in seen]
@@ -74,7 +74,7 @@ def calibrate_sets() -> Values:
 
 
 def scores_of(measurement: Measurement) -> Array:
-    """Wraps off over the odds against a pixel's wraps, of every 16th pixel."""
+    """Wraps off (N,), over the odds against a pixel's own wrap, of every 16th scored pixel."""
     pixels = scored_pixels(unwrap(measurement), measurement)
     off = np.abs(pixels["wrap_count"] - pixels["true_count"])
     sure = pixels["confidence"]
@@ -95,7 +95,7 @@ def with_uneven_walls(frame: Frame, number: int, waves: bool) -> Frame:
 
 
 def measurements(condition: str, frames: Iterable[Frame]) -> Iterator[Measurement]:
-    """What is seen under a condition: scans, or rooms."""
+    """Measurements under a condition: of the frames or, for `SCANS`, of scanned scenes."""
     if condition in SCANS:
         yield from (kept_scan(name, SCANS[condition]) for name in SHOWN)
         return

@@ -38,7 +38,7 @@ def main(results: Path, figures: Path) -> None:
 
 
 def source_of(figure: Path) -> str | None:
-    """Source that stands among a figure's numbers, if one does."""
+    """Source of a figure's data, such as ``measured``, from the JSON beside it, if stated."""
     return read_json(figure.with_suffix(".json")).get("numbers", {}).get("source")
 
 

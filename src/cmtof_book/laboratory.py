@@ -1,4 +1,4 @@
-"""What the laboratory of the book computes with: scenes of the simulation, and the light network.
+"""Data of the book's laboratory, a page that simulates and unwraps: scenes and the light network.
 
 They are scripts that hold data, since a page that is opened from a file may fetch nothing.
 """
@@ -70,7 +70,7 @@ def object_frame(name: str) -> Frame:
 
 
 def packed_scene(frame: Frame) -> Fields:
-    """Depth in steps, 16 bit, and light, 8 bit, of the middle of a frame as it is measured."""
+    """Size, depth in steps, 16 bit, light, 8 bit, and mask of the middle of a simulated frame."""
     measured = simulate(frame, noise_free=True)
     place = tuple(slice(max(0, n - SIDE) // 2, (n + SIDE) // 2) for n in measured.shape)
     depth = np.nan_to_num(np.asarray(measured.depth)[place])
@@ -88,7 +88,7 @@ def packed_scene(frame: Frame) -> Fields:
 
 
 def pack(content: bytes | NDArray) -> str:
-    """Gzip in letters."""
+    """Content compressed by gzip, as base64 text."""
     return letters(gzip.compress(bytes(content), mtime=0))
 
 

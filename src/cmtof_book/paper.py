@@ -36,7 +36,7 @@ def published_numbers() -> dict[str, Published]:
 
 
 def _numbers_of(name: str, held: Fields) -> Iterator[Published]:
-    """Numbers of an entry; a row of a table has some, whose keys end in those of its columns."""
+    """Published numbers of an entry: one, or one for each column, with key ``entry.column``."""
     columns = held.get("columns", {"": ""})
     values = np.atleast_1d(held["value"]).tolist()
     for (column, title), value in zip(columns.items(), values, strict=True):
@@ -56,7 +56,7 @@ def _numbers_of(name: str, held: Fields) -> Iterator[Published]:
 
 
 def published_number(key: str) -> Published:
-    """One published number."""
+    """Published number of a key of ``paper.yml``."""
     return published_numbers()[key]
 
 
@@ -114,7 +114,7 @@ def published_text(number: Published) -> str:
 
 
 def result_text(score: Score, digits: int = 4) -> str:
-    """Our numbers with their intervals, each with its case; so many digits where exact."""
+    """Text of our numbers with intervals and cases; ``digits`` significant figures where exact."""
     texts = [
         f"{estimate_text(one, score.number.unit, digits)} {case}".strip()
         for case, one in score.cases.items()
@@ -123,7 +123,7 @@ def result_text(score: Score, digits: int = 4) -> str:
 
 
 def estimate_text(one: OwnNumber, unit: str, digits: int) -> str:
-    """A number with its interval, where it has one.
+    """Text of a number with its interval, where it has one.
 
     >>> estimate_text(OwnNumber(0.435, 0.345, 0.525), "fraction", 3)
     '43.5 % (34.5–52.5 %)'
@@ -137,7 +137,7 @@ def estimate_text(one: OwnNumber, unit: str, digits: int) -> str:
 
 
 def quantity_text(value: float, unit: str, digits: int = 4) -> str:
-    """Number with its unit: ``fraction`` in percent, ``points`` of it, ``1`` plain.
+    """Text of a number and unit: ``fraction`` in percent, ``points`` times 100, ``1`` plain.
 
     >>> quantity_text(0.516, "fraction"), quantity_text(3.35e-5, "m"), quantity_text(14.32e9, "Hz")
     ('51.6 %', '33.5 µm', '14.32 GHz')

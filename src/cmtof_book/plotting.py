@@ -89,14 +89,14 @@ phase_image = partial(image, label="phase (rad)", cmap=PHASE_CMAP, limits=TURN)
 
 
 def grid(count: int, columns: int, aspect: float) -> tuple[Figure, list[Axes]]:
-    """So many panels in columns, of height over width, with space for titles and a colour bar."""
+    """Figure and its ``count`` panels; ``aspect`` is the height over the width of their images."""
     rows = -(-count // columns)
     fig = plt.figure(figsize=(WIDTH, rows * ((WIDTH - 0.9) / columns * aspect + 0.35)))
     return fig, [fig.add_subplot(rows, columns, n + 1) for n in range(count)]
 
 
 def colour_bar(drawn: AxesImage, *, label: str, **where: Any) -> None:
-    """A colour bar, for a turn with ticks in π."""
+    """Add a colour bar; if it runs from 0 to 2π, its ticks are 0, π and 2π."""
     bar = drawn.figure.colorbar(drawn, label=label, **where)
     if drawn.get_clim() == TURN:
         bar.set_ticks([0, np.pi, TAU], labels=["0", "π", "2π"])
@@ -132,7 +132,7 @@ def sweep(
     log: str = "xy",
     **style: Any,
 ) -> None:
-    """Dots (N,) of a sweep, with error bars, and the line of a bound or theory.
+    """Draw dots (N,) of a sweep, with error bars, and the line of a bound or theory.
 
     ``errors`` are half-lengths; ``bound`` holds settings and values. ``style`` is that of the dots;
     the line has their ``color``.
@@ -151,7 +151,7 @@ def intervals(
     colors: Texts,
     published: Values,
 ) -> None:
-    """Dots with bars (value, low, high), a row a name, the first on top; diamonds of the paper."""
+    """Draw (value, low, high) as dot and bar, a row a name, the first on top; paper: diamonds."""
     for place, (name, (value, *ends)) in enumerate(rows.items()):
         ax.plot(ends, [place, place], color=colors[name], lw=3, alpha=0.45)
         ax.plot(value, place, "o", color=colors[name], ms=5)
@@ -168,7 +168,7 @@ def intervals(
 
 
 def dots(ax: Axes, series: Named, rows: Sequence[str]) -> None:
-    """Dots of series (R,), each with a marker of its own, a row a name, the first on top."""
+    """Draw dots of series (R,), each with its own marker, over R named rows, the first on top."""
     for number, (label, values) in enumerate(series.items()):
         ax.plot(
             values,
@@ -181,7 +181,7 @@ def dots(ax: Axes, series: Named, rows: Sequence[str]) -> None:
 
 
 def _name_rows(ax: Axes, rows: Collection[str]) -> None:
-    """Names of rows at the left, the first on top."""
+    """Write names of rows at the left, the first on top."""
     ax.set_yticks(range(len(rows)), rows)
     ax.set_ylim(len(rows) - 0.3, -0.6)  # room for all dots of the first and last row
 

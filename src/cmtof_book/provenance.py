@@ -37,7 +37,7 @@ def processor() -> str:
 
 
 def letters(content: bytes | NDArray) -> str:
-    """Bytes as text, as pages hold them."""
+    """Bytes as base64 text, as pages hold them."""
     return b64encode(bytes(content)).decode()
 
 

@@ -51,7 +51,7 @@ def differences(found: Numbers, stored: Numbers) -> Iterator[str]:
 
 
 def main() -> None:
-    """Write the file, and print what differs from the numbers before."""
+    """Store the numbers of the build, and print what differs from those stored before."""
     found = found_numbers()
     for line in differences(found, stored_numbers()):
         print(line)

@@ -1,4 +1,4 @@
-"""The book's pages, as jupyter-book has built them: light to load, with texts to search.
+"""Finish the pages that jupyter-book has built: remove unused files, store texts to search.
 
     python -m cmtof_book.render HTML
 

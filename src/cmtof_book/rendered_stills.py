@@ -36,7 +36,7 @@ SIZES = MADE_UP["sizes"]
 
 
 def rendered_still(number: int, size: int) -> Measurement:
-    """Still life with the captures' noise, ``wraps``, -1 where surfaces mix, and ``labels``, m."""
+    """Noisy still life with ``wraps``, -1 where surfaces mix, and depth as ``labels``, m."""
     rng = default_rng([number, 77])
     things = [made_up_thing(rng) for _ in range(1 + number % 3)]
     phasor, true = rendered_scene(*still_life(things, rng), size, number)
@@ -58,7 +58,7 @@ def labelled(data: Dataset, wraps: Numbers, depth: Array) -> Measurement:
 def rendered_scene(
     mesh: Trimesh, view: float, size: int, seed: int
 ) -> tuple[Complex, Array]:
-    """Phasors (2, H, W), of the emitted light, of a scene in a field of view, and range, m."""
+    """Phasors (2, H, W) of a mesh, over the emitted light, and its optical range (H, W), m."""
     angle = np.rad2deg(view)
     plan = plan_scan(rig_of("", field_of_view_deg=(angle, angle)), size=size)
     paths = trace(MeshTarget.from_mesh(mesh), plan.angles.reshape(-1, 2), QUIET, seed)

@@ -147,7 +147,7 @@ def noise_settings(noise: Noise) -> Fields:
 
 
 def close_pair(scan: Measurement, other: Measurement) -> Measurement:
-    """Measurement at two close frequencies, as `phasor` needs it, from the single modes of two."""
+    """Measurement at two close frequencies, as `phasor` needs it: the single modes of two scans."""
     both = (scan, other)
     return Measurement.from_phase(
         [one.phase[0] for one in both],
@@ -159,7 +159,7 @@ def close_pair(scan: Measurement, other: Measurement) -> Measurement:
 
 
 def four_phases(scan: Measurement) -> Measurement:
-    """Scan as a network of raw correlations knows it: four quadratures, in counts.
+    """Scan as a network of raw correlations takes it: four quadratures, in counts.
 
     Sixteen phases are decoded and put back, with the mean of an ideal correlation, pi/2 of the
     amplitude, and the brightest tenth as bright as a white surface.
@@ -195,7 +195,7 @@ def load_or_make(name: str, made: Callable[[], Measurement]) -> Measurement:
 def kept_scan(
     name: str, noise: Noise, seed: int = 0, *, kind: str = "scan", **options: Any
 ) -> Measurement:
-    """Scan as `scan_object` makes it with options; ``kind`` names them in the file's name."""
+    """Scan by `scan_object` with options, kept in a file whose name has ``kind`` for options."""
     return load_or_make(
         f"{kind}_{name}_{noise}_{seed}",
         partial(scan_object, name, noise, seed=seed, **options),
@@ -237,13 +237,13 @@ def labelled_scan(number: int, group: int) -> Measurement:
 
 
 def tuned_weights(scans: int) -> Path:
-    """Weights of rooms, tuned on labelled scans alone."""
+    """File of the weights trained on rooms and then tuned on labelled scans alone."""
     path = weights_path(NETWORK, "released", FOLDER / f"tuned_{scans}_1")
     return trained_leg(path, best_weights(0), examples(range(scans)), seed=1, **TUNING)
 
 
 def best_weights(legs: int = len(LEGS)) -> Path:
-    """Weights after the first legs of training; before any, those of rooms.
+    """File of the weights after the first ``legs`` of `LEGS`; for 0, of those trained on rooms.
 
     On scans alone a network forgets the still lifes. So a leg with scans has both, and what is kept
     is the mean of the weights before and after it; for the mean see Wortsman et al. (CVPR 2022).
@@ -278,7 +278,7 @@ def trained_leg(
     learnt: Iterable[Any],
     **options: Any,
 ) -> Path:
-    """Path of weights, which are trained from others on examples unless they are there.
+    """File of weights, which are trained on examples, starting from others, unless it is there.
 
     Options are those of `cmtof.network.tuning.fine_tune`. The learning rate falls to zero; in half
     precision where the processor can.
@@ -334,7 +334,7 @@ def scan_for_row(row: str, name: str, noise: Noise, seed: int) -> Measurement:
 
 
 def validation_rates(legs: int) -> list[float]:
-    """Shares of right wraps, after so many legs, on scans of the things that are held out."""
+    """Share of right wraps, after ``legs`` of `LEGS`, on each scan of the things held out."""
     scans = (scan for scan, *_ in examples(range(VALIDATED), 1))
     return [
         round(right / pixels, 4)
@@ -343,14 +343,14 @@ def validation_rates(legs: int) -> list[float]:
 
 
 def compare(counts: Counts, noise: str, rows: Named) -> None:
-    """Count rows, each what `wraps_off` is given, on three scans of each of the shown scenes."""
+    """Count right wraps by each row's method and weights, on three scans of each shown scene."""
     for (name, row), scene in product(rows.items(), SHOWN):
         given = (scan_for_row(name, scene, noise, seed) for seed in SEEDS)
         counts.keep("counts", noise, name, scene, of=partial(wraps_off, given, *row))
 
 
 def sweep(counts: Counts, rows: Named) -> None:
-    """Count scans of fewer points and of other noise: every second, every fourth point of each."""
+    """Count right wraps at each noise of `LEVELS`, with all, each second and each fourth point."""
     for level, stride, (name, row) in product(LEVELS, STRIDES, rows.items()):
         scans = (kept_scan(scene, LEVELS[level]).dataset for scene in SWEPT)
         thin = (one.thin(x=stride, y=stride).drop_vars("camera") for one in scans)

@@ -116,7 +116,7 @@ def picture(scores: Scores) -> str:
 
 
 def _across(ratio: float) -> float:
-    """Place of a ratio between the edges, 0 and 100; what lies beyond them is put there."""
+    """Place of a ratio on a log scale: 50 for 1, 98 for `SPAN` or more, 2 for 1/`SPAN` or less."""
     held = min(max(ratio, 1 / SPAN), SPAN)
     return round(50 + 48 * math.log(held, SPAN), 1)
 

@@ -63,7 +63,7 @@ def lines_of(statement: ast.stmt) -> range:
 
 
 def sizes_of(function: ast.FunctionDef, place: str) -> Iterator[Size]:
-    """What has a limit in a function."""
+    """Sizes of a function that have a limit: parameters, names, lines."""
     given = function.args
     names = {one.arg for one in given.posonlyargs + given.args + given.kwonlyargs}
     yield place, "parameters", len(names)
@@ -76,7 +76,7 @@ def sizes_of(function: ast.FunctionDef, place: str) -> Iterator[Size]:
 
 
 def sizes_in(path: Path, total: Counter) -> Iterator[Size]:
-    """What has a limit in a module and its functions, which are also counted."""
+    """Sizes of a module and its functions that have a limit; its nodes are added to ``total``."""
     source = path.read_text("utf-8")
     nodes = [*ast.walk(ast.parse(source))]
     code = code_lines(source, nodes)
@@ -94,7 +94,7 @@ def sizes_in(path: Path, total: Counter) -> Iterator[Size]:
 
 
 def sizes() -> Iterator[Size]:
-    """Everything that has a limit."""
+    """Every size that has a limit: of functions, modules, parts, and pages of the book."""
     for part in VOLUME:
         total = Counter()
         for path in sorted((ROOT / part).rglob("*.py")):

@@ -74,7 +74,7 @@ def rows_of(methods: Sequence[str], protocol: str, runs: Path | None) -> Iterato
 
 
 def path_of(settings: Fields, size: str, runs: Path | None) -> Path:
-    """File of counts."""
+    """File of a table's counts, named by table and options."""
     offset = [f"{1e3 * phase:g}" for phase in settings.get("phase_offset", ())]
     table = f"table{1 if runs else 3 if offset else 2}"
     words = [table, settings["protocol"], size, f"{settings['noise']:g}", *offset]

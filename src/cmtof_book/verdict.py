@@ -117,7 +117,7 @@ class Score:
         return places
 
     def has_papers(self, one: Dependency) -> bool:
-        """Whether our number was made with the paper's."""
+        """Whether our number was made with the paper's version of a dependency."""
         if one.name == "training":
             return self.crops >= CROPS
         return self.profile in one.same
@@ -128,12 +128,12 @@ class Score:
         return [one for one in self.number.depends if not self.has_papers(one)]
 
     def ours(self, one: Dependency) -> str:
-        """What we have of something."""
+        """Sentence on what we have of a dependency."""
         return one.ours.format(crops=self.crops)
 
     @property
     def untested(self) -> str:
-        """Why nothing can be said, if so."""
+        """Why the number cannot be compared, '' if it can."""
         if self.number.untested or not self.cases:
             return self.number.untested or "No chapter computes it."
         return next((one.ours for one in self.differing if one.name == "sizes"), "")
@@ -152,7 +152,7 @@ class Score:
 
     @property
     def undecided(self) -> str:
-        """Where our own number lies, by cases, unless it agrees."""
+        """Which cases of ours agree, differ or are too uncertain; '' if all agree."""
         places = self.places
         if places.keys() <= {"inside"}:
             return ""

@@ -30,13 +30,13 @@ class Layer(NamedTuple):
     meaning: str
 
     def colours(self, step: int = 1) -> Array:
-        """Colours (h, w, 3) of every so many points."""
+        """Colours (h, w, 3), 0 to 1, of every ``step``-th point along both axes."""
         low, high = self.ends
         share = (self.values[::step, ::step] - low) / (high - low)
         return plt.get_cmap(self.scale)(share)[..., :3]
 
     def pack(self, step: int) -> Fields:
-        """Every so many points for the page, and the key to their colours."""
+        """Every ``step``-th point and its colour for the page, and the key to the colours."""
         colours = self.colours(step)
         key = plt.get_cmap(self.scale)(np.linspace(0, 1, 9))
         return {
@@ -52,7 +52,7 @@ class Layer(NamedTuple):
 def save_scene(
     name: str, layers: Mapping[str, Layer], *, longest: float, eye: tuple, step: int
 ) -> None:
-    """Write surfaces by name to ``name.js``, of every so many points.
+    """Write surfaces by name to ``name.js``, every ``step``-th point along both axes.
 
     Neighbours further apart than ``longest``, m, are not joined; ``eye`` (3,), m, is where they are
     seen from. Points are x right, y down, z forward, NaN for none.

@@ -14,7 +14,7 @@ RAYS = 64
 """Directions in which light is asked for from each place."""
 
 Look = Callable[[Array, Array], tuple[Array, Flags]]
-"""Radiance (N, 3) along rays (N, 3) and (N, 3), and which of them meet the back of a surface."""
+"""Radiance (N, 3) along rays from (N, 3) in directions (N, 3), and which meet a surface's back."""
 
 
 class Bounce(NamedTuple):
@@ -25,10 +25,10 @@ class Bounce(NamedTuple):
     high: Array
     """Highest corner (3,), m."""
     light: Array
-    """(X, Y, Z, 6, 3)."""
+    """Irradiance (X, Y, Z, 6, 3): places of the grid, faces, colours."""
 
     def irradiance(self, position: Array, normal: Array) -> Array:
-        """Irradiance (N, 3) of surfaces, between the places of the grid.
+        """Irradiance (N, 3) of surface points, interpolated between the places of the grid.
 
         Parameters
         ----------
@@ -58,7 +58,7 @@ class Bounce(NamedTuple):
 
 
 def measure_bounce(space: Array, look: Look) -> Bounce:
-    """Bounce in a space, by what is seen from places within it.
+    """Light in a space after one bounce, from the radiance seen at each place of a grid.
 
     Parameters
     ----------
@@ -89,7 +89,7 @@ def measure_bounce(space: Array, look: Look) -> Bounce:
 
 
 def _grid_axes(low: Array, high: Array) -> list[Array]:
-    """Places along x, y and z, m: 2 to 15 of them, 0.7 m apart or more."""
+    """Grid places along x, y and z, m: 2 to 15 each, about 0.7 m apart, more in large spaces."""
     size = high - low
     step = max(0.7, size.max() / 14)
     counts = np.clip(np.round(size / step).astype(int) + 1, 2, 15)

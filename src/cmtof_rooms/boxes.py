@@ -54,7 +54,7 @@ class Rectangle(NamedTuple):
         return bool((self.start <= other.start).all() and (other.end <= self.end).all())
 
     def meets(self, others: Iterable["Rectangle"], gap: float = 1e-6) -> bool:
-        """Whether it shares more than an edge with one of several others.
+        """Whether this rectangle overlaps one of several others by more than ``gap``, m.
 
         >>> Rectangle(0, 1, 0, 1).meets([Rectangle(1, 2, 0, 1)])
         False
@@ -98,11 +98,11 @@ class Box(NamedTuple):
 
     @property
     def floor(self) -> Rectangle:
-        """What it covers, seen from above."""
+        """Rectangle that the box covers, seen from above."""
         return Rectangle(*self[:4])
 
     def singles(self) -> list["Box"]:
-        """Every box that it stands for, each of six numbers.
+        """Single boxes, six numbers each, that a box with arrays as limits stands for.
 
         >>> len(Box(np.array([0.0, 2.0]), np.array([1.0, 3.0]), 0.0, 1.0, 0.0, 1.0).singles())
         2
@@ -140,10 +140,10 @@ class Box(NamedTuple):
         return self._replace(**{axis + "0": start, axis + "1": start + thickness})
 
     def bars(self, axis: str, middles: Array, half: float) -> "Box":
-        """Boxes about several places along an axis, of a half thickness, m."""
+        """Boxes about ``middles`` along an axis, m, that reach ``half``, m, to either side."""
         return self._replace(**{axis + "0": middles - half, axis + "1": middles + half})
 
 
 def both_sides(distance: float) -> Array:
-    """Both places at a distance, m, from the middle."""
+    """Both coordinates (2,) at a distance from 0, m: the negative and the positive one."""
     return np.array([-distance, distance])

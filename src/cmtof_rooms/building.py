@@ -68,7 +68,7 @@ def _walls(width: float, depth: float) -> list[Wall]:
 
 
 def _cut_corner(kit: Kit, shell: Shell) -> None:
-    """Cut a block off in one corner, with two faces and a floor of two rectangles."""
+    """Make the room an L by a block in one corner: two more walls, a floor of two rectangles."""
     width = shell.width
     depth = shell.depth
     share_x, share_y = kit.draw("notch")
@@ -114,7 +114,7 @@ def _add_levels(kit: Kit, shell: Shell) -> None:
 
 
 def _add_slopes(kit: Kit, shell: Shell) -> None:
-    """Add a roof slope over one long side, or over both."""
+    """Add a roof slope along x over the side y = depth, or one over each side, y = 0 and depth."""
     depth = shell.depth
     height = shell.height
     plaster = kit.material("ceiling")

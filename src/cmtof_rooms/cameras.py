@@ -86,8 +86,8 @@ def choose_cameras(
 ) -> Cameras:
     """Views of a room, each the best of those that are drawn for it.
 
-    Cameras without air around them, or with something right before them, are left out; the one
-    whose median range is nearest to a drawn one is taken.
+    A camera without air around it, or with something right before it, is taken only if all are so;
+    mostly it is the one whose median range is nearest to a drawn one.
 
     Parameters
     ----------
@@ -137,7 +137,7 @@ def camera_across(floor: Rectangles, height: float, rng: Generator) -> Camera:
 
 
 def _direction(heading: float, rise: float) -> Array:
-    """Array (3,), one long seen from above, of a heading and an angle of rise, rad."""
+    """Vector (3,) along a heading and a rise, rad; its part in x and y has length 1."""
     return np.array([np.cos(heading), np.sin(heading), np.tan(rise)])
 
 
@@ -155,7 +155,7 @@ def camera_close(middles: Array, rng: Generator) -> Camera:
 
 
 def middles_of(things: Sequence[Thing]) -> Array:
-    """Middles (N, 3) of things of 0.1 to 1.6 m; of all where there are none."""
+    """Middles (N, 3), m, of the things of 0.1 to 1.6 m; of all things if none has such a size."""
     low, high = np.stack([thing.bounds for thing in things], axis=1)
     size = (high - low).max(axis=1)
     fit = (size > 0.1) & (size < 1.6)
@@ -164,7 +164,7 @@ def middles_of(things: Sequence[Thing]) -> Array:
 
 
 def _flaws(camera: Camera, wanted: float, interior: Interior, lens: Lens) -> float:
-    """How bad a view is: 0 with air around it, enough to see, and the wanted median range, m."""
+    """Penalty of a view: 0 with air around it, 9 things in sight, median range ``wanted``, m."""
     pictured = lens.rays(camera.orientation).reshape(-1, 3)
     rays = np.vstack([pictured, sphere_of_directions(_AROUND)])
     hits = interior.tracer.nearest(np.full_like(rays, camera.position), rays)
@@ -186,7 +186,7 @@ def _flaws(camera: Camera, wanted: float, interior: Interior, lens: Lens) -> flo
 
 
 def _likeness(camera: Camera, chosen: Cameras) -> float:
-    """How much a view repeats one chosen before: 1 from the same place and way."""
+    """Likeness, 0 to 1, of a view to those chosen before: 1 for the same place and direction."""
     found = [0.0]
     for other in chosen:
         apart = np.linalg.norm(camera.position - other.position) / 2.0

@@ -61,7 +61,7 @@ def vessel(
     profile: str = "vase",
     material: str = "ceramic",
 ) -> Piece:
-    """A turned vessel, of another width than depth where the size says so."""
+    """A vessel of revolution, stretched to the width, depth and height of a space."""
     turned = revolution(
         np.array(presets()["profiles"][profile]) * [0.5, 1],
         sections=32,
@@ -78,7 +78,7 @@ def blob(
     noise: float = 0.1,
     squareness: float = 0.0,
 ) -> Iterator[Solids]:
-    """Something soft or grown: cushion, fruit, stone, toy."""
+    """A rounded, uneven body: cushion, fruit, stone, toy."""
     body = ball(
         1.0,
         noise=noise,
@@ -186,7 +186,7 @@ def pipe(
     *,
     level: bool = False,
 ) -> Piece:
-    """Upright pipes from floor to height, or level rails from side to side."""
+    """One or two upright pipes as high as a space, or level rails as wide."""
     radius = min(0.4 * space.size[1], 0.03)
     metal = kit.material("metal")
     number = kit.count((1, 2))
@@ -206,7 +206,7 @@ def pipe(
 
 
 def _round_corners(path: Array) -> Array:
-    """The path with three points close to each inner corner."""
+    """Path (M, 3), m, with three points close to it in place of each inner corner."""
     corners = path[1:-1]
     before = corners + 0.2 * (path[:-2] - corners)
     after = corners + 0.2 * (path[2:] - corners)
@@ -230,7 +230,7 @@ def radiator(kit: Kit, space: Box) -> Piece:
 
 
 def stairs(kit: Kit, space: Box, *, rail: bool = True) -> Piece:
-    """A flight of steps along x that rises to height, with a banister on its free side."""
+    """Steps that rise along x to the height of a space, perhaps with a banister at its front."""
     count = max(2, round(space.z1 / 0.18))
     x = np.linspace(space.x0, space.x1, count + 1)
     z = np.linspace(0, space.z1, count + 1)[1:]
@@ -251,7 +251,7 @@ def stack(
     count: Sequence[int] = (1, 4),
     material: str = "paper",
 ) -> Piece:
-    """Boxes or books piled up, each turned a little; one of them is a plain case."""
+    """Boxes or papers piled up, each turned a little; a single one is not turned."""
     width, depth, height = space.size
     number = kit.count(count)
     shares = np.sort(kit.rng.uniform(0.15, 1, number - 1))

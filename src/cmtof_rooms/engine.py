@@ -1,4 +1,4 @@
-"""Rays through triangles: Embree's answers, and directions to ask for."""
+"""Rays traced through triangles by Embree, and directions spread over the sphere."""
 
 from functools import lru_cache
 from typing import Any, NamedTuple

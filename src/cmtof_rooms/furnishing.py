@@ -43,7 +43,7 @@ class Furnishing(Vacancy):
     things: list[Thing] = field(default_factory=list)
 
     def fill(self, counts: Values) -> None:
-        """Place kinds, each about as often as asked for, the largest first."""
+        """Place furniture in the order of `_rank`, each kind about as often as ``counts`` says."""
         drawn = {name: self._times(mean) for name, mean in counts.items()}
         for name in sorted(drawn, key=_rank):
             for _ in range(drawn[name]):
@@ -72,7 +72,7 @@ class Furnishing(Vacancy):
         return width, depth, min(height, most)
 
     def _stand(self, name: str, size: Extents, place: Place) -> list[Top]:
-        """Make a thing and stand it at its place; return the tops of it."""
+        """Make a thing, stand it at a place, and return its tops, on which others can stand."""
         kind = _kind(name)
         make = MAKERS[kind["maker"]]
         parts = []
@@ -107,7 +107,7 @@ class Furnishing(Vacancy):
                 self._stand(name, seat, spot)
 
     def _decorate(self, tops: list[Top], counts: Values, place: Place) -> None:
-        """Stand things on the tops of another."""
+        """Stand things on the tops of another, each kind about as often as ``counts`` has it."""
         surfaces = [(top, []) for top in tops]
         for name, mean in counts.items():
             for _ in range(self._times(mean)):
@@ -134,7 +134,7 @@ def _kind(name: str) -> Kind:
 
 
 def _rank(name: str) -> tuple[int, float]:
-    """Order in which kinds are placed: walls before floors, the largest first."""
+    """Sort key of a kind of furniture: first `RANK` of where it stands, then large to small."""
     kind = _kind(name)
     (width, wider), (depth, deeper), _ = kind["size"]
     return RANK[kind["at"]], -(width + wider) * (depth + deeper)

@@ -52,7 +52,7 @@ def table(
 
 
 def _pedestal(kit: Kit, wood: Material, board: Box) -> Piece:
-    """A turned foot of metal below a table's board."""
+    """A round metal column with a wide foot, below a table's board."""
     foot = 0.3 * min(board.size[:2])
     yield "metal", revolution([(foot, 0), (foot, 0.03), (0.05, 0.06), (0.04, board.z0)])
 
@@ -134,7 +134,7 @@ def _cushions(
     middle: Pair,
     squareness: float,
 ) -> Solids:
-    """A row of cushions of a size together, about y and z of its ``middle``."""
+    """A row of cushions that has a size, m, as a whole, centred at (y, z) = ``middle``, m."""
     width, depth, height = size
     count = max(1, round(width / 0.75))
     each = width / count
@@ -169,7 +169,7 @@ def bed(kit: Kit, space: Box) -> Piece:
 
 
 def _pillows(kit: Kit, width: float, middle: Pair) -> Piece:
-    """One pillow or, on a wide bed, two, about y and z of their ``middle``."""
+    """One pillow or, on a wide bed, two, centred at (y, z) = ``middle``, m."""
     count = 2 if width > 1.2 else 1
     half = min(0.32, width / count / 2.1)
     pillow = ball((half, 0.2, 0.08), squareness=0.5)
@@ -206,7 +206,7 @@ def cabinet(
 
 
 def _doors(kit: Kit, wood: Material, body: Box, shape: Shape) -> Piece:
-    """Fronts of all cells of a cabinet, in columns and rows, and handles on most cabinets."""
+    """Fronts of a cabinet in columns and rows and, on most cabinets, a handle on each front."""
     columns, rows = shape
     gap = 0.006
     y = body.y0
@@ -252,7 +252,7 @@ def _fill(kit: Kit, compartments: Box, share: float) -> Piece:
 
 
 def _books(kit: Kit, space: Box) -> Piece:
-    """Books of one edition or of several, side by side from the left to where they end."""
+    """Books from the left over part or all of a space, in runs of equal height and thickness."""
     width, depth, height = space.size
     x = space.x0
     end = x + kit.between(0.4, 1.0) * width

@@ -1,4 +1,4 @@
-"""The test set that travels with the package, chosen and rendered again.
+"""The test set that the package contains: how its views were chosen, and how to render them again.
 
 The rule, the same for all: of the rooms of seed 3 those that `split_of` tests (no network was
 trained or validated on them), in order, the first view across the room of each, 384 x 512, if the
@@ -16,19 +16,19 @@ SETTINGS = Settings(seed=3, scenes=10_000, views=2, height=384, width=512)
 
 
 def view_across(index: int, settings: Settings) -> Frame:
-    """First view across the room of that number."""
+    """First view across the room with number ``index``."""
     return next(views_of_room(settings, index, [("cam_00", 0)])).frame
 
 
 def views_of_size(height: int, width: int) -> list[Frame]:
-    """The test views, rendered at another size."""
+    """The 32 views of the test set, rendered at another size, px."""
     settings = replace(SETTINGS, height=height, width=width)
     rooms = [frame.name.removesuffix("/cam_00") for frame in held_out_frames()]
     return [view_across(int(room.rpartition("_")[2]), settings) for room in rooms]
 
 
 def views(seed: int = SETTINGS.seed, *, tested: bool = True) -> Iterator[Frame]:
-    """Views of which 20 to 90 % are scored; not ``tested``: of rooms for training, validation."""
+    """Views with 20 to 90 % of pixels scored, of test rooms or, not ``tested``, of all others."""
     settings = replace(SETTINGS, seed=seed)
     for index in range(settings.scenes):
         if (split_of(index) == "test") == tested:

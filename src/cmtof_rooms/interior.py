@@ -26,7 +26,7 @@ _NEIGHBOURS = [
 
 
 class Picture(NamedTuple):
-    """One view, (H, W) each."""
+    """Images (H, W) of one view."""
 
     color: Array  # (H, W, 3) linear radiance
     depth: Array  # range along the ray, m; NaN where the ray leaves the scene
@@ -36,7 +36,7 @@ class Picture(NamedTuple):
 
 
 class Surface(NamedTuple):
-    """What the rays of an image meet, (H, W) each."""
+    """What the rays of an image meet, as arrays (H, W)."""
 
     # Number of the part; -1 where nothing is met: there the other arrays mean nothing.
     part: Numbers
@@ -191,7 +191,7 @@ class Interior:
     def reflected_radiance(
         self, origins: Array, directions: Array
     ) -> tuple[Array, Flags]:
-        """Radiance along rays of what the lights fall on, without lamps and sky themselves.
+        """Radiance, along rays, of the surfaces that lights fall on, without that of lamps and sky.
 
         Parameters
         ----------
@@ -230,7 +230,7 @@ class Interior:
 
 
 def _ways(light: Light, start: Array, sample: Numbers | None) -> Array:
-    """Ways (..., 3), m, from points to a light's centre, or to a place on it of 4 x 4."""
+    """Vectors (..., 3), m, from points to a light's centre, or to one of 4 x 4 places on it."""
     ways = np.asarray(light.centre, np.float32) - start
     if sample is not None:
         places = np.stack([sample % 4, sample // 4], -1).astype(np.float32) / 2 - 0.75
@@ -239,12 +239,12 @@ def _ways(light: Light, start: Array, sample: Numbers | None) -> Array:
 
 
 def _numbers(counts: list[int]) -> Numbers:
-    """Number, from 0 on, of the group that each of several items belongs to, by group sizes."""
+    """Number of the group, from 0 on, for each item of groups with sizes ``counts``."""
     return np.repeat(np.arange(len(counts)), counts)
 
 
 def _tiles(shape: Shape) -> Numbers:
-    """Number 0 to 15 of each pixel (H, W): every 4 x 4 pixels have all, neighbours far ones."""
+    """Number 0 to 15 of each pixel (H, W): all in every 4 x 4 pixels, neighbours' far apart."""
     order = [[0, 10, 2, 8], [5, 15, 7, 13], [1, 11, 3, 9], [4, 14, 6, 12]]
     return np.array(order)[tuple(np.indices(shape) % 4)]
 

@@ -54,7 +54,7 @@ class Kit:
         return self.pick(self.palette[role])
 
     def part(self, material: Material | str, *solids: Trimesh | Box) -> Part:
-        """Join solids of one material, or of one drawn for a role."""
+        """Join solids to a part of one material, which is given or drawn for a role."""
         if isinstance(material, str):
             material = self.material(material)
         meshes = [slab(*one) if isinstance(one, Box) else one for one in solids]
@@ -65,7 +65,7 @@ class Kit:
         return items[int(self.rng.integers(len(items)))]
 
     def between(self, low: float, high: float) -> float:
-        """Draw a number evenly."""
+        """Draw a number evenly between two limits."""
         return self.rng.uniform(low, high)
 
     def draw(self, name: str) -> list[float]:
@@ -87,7 +87,7 @@ class Kit:
 
 
 def household(rng: Generator) -> Kit:
-    """Draw the materials that everything in a room is made of."""
+    """Draw the materials of everything in a room, as a `Kit`."""
     return Kit(
         rng,
         {

@@ -36,7 +36,7 @@ def _hash(i: Array, j: Array) -> Array:
 
 
 def _noise(s: Array, t: Array) -> Array:
-    """Smooth noise of 0 to 1 with one cell a unit (value noise)."""
+    """Smooth noise, 0 to 1, with one random value at each pair of whole numbers (value noise)."""
     i = np.floor(s)
     j = np.floor(t)
     x = _smooth_step(s - i)
@@ -52,7 +52,7 @@ def _mix(first: Array, second: Array, share: Array) -> Array:
 
 
 def _smooth_step(share: Array) -> Array:
-    """Share of 0 to 1 that rises without a kink at both ends."""
+    """Share, 0 to 1, bent so that its slope is 0 at both ends (smoothstep)."""
     return share * share * (3 - 2 * share)
 
 
@@ -130,7 +130,7 @@ class Palette:
     Attributes
     ----------
     mean : ndarray of float32, shape (M, 3)
-        Reflectance without its pattern.
+        Reflectance averaged over the pattern.
     emission : ndarray of float32, shape (M,)
         As `Material` has it.
     """
@@ -152,13 +152,13 @@ class Palette:
         normal: Array,
         footprint: Array,
     ) -> Array:
-        """Reflectance (..., 3) of points of materials ``number`` (...).
+        """Reflectance (..., 3) of points whose materials have the numbers ``number`` (...).
 
         Parameters
         ----------
         number : ndarray of int, shape (...)
         position, normal : ndarray, shape (..., 3)
-            In the room, m. The pattern lies in the plane that the normal is nearest to.
+            In the room, m. The pattern lies in the two axes that the normal is farthest from.
         footprint : ndarray, shape (...)
             Size of a pixel on the surface, m; finer patterns fade to their mean.
         """

@@ -59,7 +59,7 @@ def add_passage(kit: Kit, shell: Shell, wall: Wall) -> None:
 def _doorway(
     kit: Kit, shell: Shell, wall: Wall, size: Vector, **around: float
 ) -> Rectangle | None:
-    """Cut a free piece of a size, m, out for a door or a passage; None after some tries.
+    """Cut a hole of a size, m, into a free piece of a wall, and return it; None after some tries.
 
     The floor before it stays free.
     """
@@ -175,7 +175,7 @@ def _add_outdoors(kit: Kit, shell: Shell, wall: Wall) -> None:
 
 
 def _tree(kit: Kit, far: float) -> Trimesh:
-    """Crown of a tree at some way from the window to a house as ``far`` as that, m."""
+    """Crown of a tree between the windows and a house that is ``far``, m, away."""
     size = kit.between(1.0, 2.5)
     crown = ball((size, size, 1.2 * size), noise=0.3, rng=kit.rng, fineness=3)
     along, share = kit.draw("tree")

@@ -1,4 +1,4 @@
-"""Sets of rooms from a seed: seen, exposed, and written in Hypersim's layout, resumable."""
+"""Sets of rooms from a seed: rendered, exposed, and written in Hypersim's layout, resumable."""
 
 import io
 import json
@@ -193,7 +193,7 @@ def view_exists(root: Path, view: View) -> bool:
 
 
 def write_view(root: Path, view: View, **arrays: ArrayLike) -> None:
-    """Write color (linear radiance), depth (m), normal and instance, whole and always alike."""
+    """Write color (linear radiance), depth (m), normal, instance: whole, equal bytes each time."""
     import h5py
 
     for kind, (_, _, dtype) in FILES.items():
@@ -282,7 +282,7 @@ def render_rooms(
 
 
 def _each(root: Path, settings: Settings, workers: int) -> Iterator[Report]:
-    """Rooms in order, by one process or several; an interrupted run begins no other."""
+    """Reports of rooms, rendered in order by one process or several; none begins after Ctrl-C."""
     render = partial(render_room, root, settings)
     if workers == 1:
         yield from map(render, range(settings.scenes))

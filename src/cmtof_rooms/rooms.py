@@ -34,7 +34,7 @@ ROOM, ACROSS, CLOSE, LENS, EXPOSURE = range(5)
 
 
 def stream(seed: int, index: int, use: int) -> Generator:
-    """Random numbers of one room that no other and no other use of it share."""
+    """Random generator for one ``use`` in one room, independent of other uses and rooms."""
     return np.random.default_rng([seed, index, use])
 
 
@@ -158,7 +158,7 @@ def _things_beyond(wall: Wall, kit: Kit) -> list[Thing]:
 
 
 def _strongest(shell: Shell, lamps: list[Light]) -> list[Light]:
-    """At most `LIGHTS` lights; the strongest lamps shine for those that were left out."""
+    """The `LIGHTS` strongest lights at most, brightened by the power of those left out."""
     if not shell.lights and not lamps:  # a lamp that nobody sees
         middle = (
             shell.width / 2,

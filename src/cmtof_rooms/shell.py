@@ -27,17 +27,17 @@ class Wall:
     holes: Rectangles = field(default_factory=list)  # what is cut out of it
 
     def footprint(self, piece: Rectangle, y0: float, y1: float) -> Rectangle:
-        """Floor along a piece of it between two distances outwards, m; quarter turns only."""
+        """Floor along a piece of the wall, from y0 to y1 outwards, m; walls along x or y only."""
         corners = self.place.carry([(piece.x0, y0, 0.0), (piece.x1, y1, 0.0)])
         x, y, _ = np.sort(corners, axis=0).T.tolist()
         return Rectangle(*x, *y)
 
     def free(self, piece: Rectangle) -> bool:
-        """Whether nothing is in or before a piece of it."""
+        """Whether nothing is in or before a piece of the wall."""
         return not piece.meets(self.taken, gap=0.0)
 
     def cut(self, hole: Rectangle, side: float = 0.05, above: float = 0.05) -> None:
-        """Cut a hole; at its sides and above it nothing else fits, m."""
+        """Cut a hole, and let nothing else be placed in margins, m, at its sides and above it."""
         self.holes.append(hole)
         self.taken.append(hole.grow(side, side, 0.03, above))
 
@@ -91,7 +91,7 @@ class Shell:
     lowest: float = 0.0
 
     def build(self, kind: str, place: Place, *pieces: tuple) -> None:
-        """Add a thing made of pieces of one material each, given in a frame."""
+        """Add a thing; each piece is a material and solids in the frame ``place``."""
         parts = [part for piece in pieces for part in place.parts(*piece)]
         self.things.append(Thing(kind, parts))
 

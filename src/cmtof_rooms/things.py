@@ -40,17 +40,17 @@ class Place(NamedTuple):
     z: float = 0.0
 
     def carry(self, points: ArrayLike) -> Array:
-        """Points (..., 3) of the frame in the room, m."""
+        """Points (..., 3), m, given in this frame, in the room's coordinates."""
         turned = np.asarray(points, float) @ turn_about_z(self.turn)
         return np.add(turned, (self.x, self.y, self.z))
 
     def at(self, x: float, y: float, z: float = 0.0, turn: float = 0.0) -> "Place":
-        """Frame at a point of this one, m, turned by ``turn`` in it."""
+        """Frame at a point of this one, m, turned by ``turn``, rad, relative to it."""
         x, y, z = self.carry((x, y, z))
         return Place(x, y, self.turn + turn, z)
 
     def parts(self, material: Material, *solids: Trimesh | Box) -> list[Part]:
-        """Solids of the frame, each as a part of one material in the room."""
+        """Solids given in this frame, as parts of one material in the room's coordinates."""
         meshes: list[Trimesh] = []
         for solid in solids:
             if isinstance(solid, Box):

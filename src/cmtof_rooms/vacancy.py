@@ -49,7 +49,7 @@ class Vacancy:
     clear: Rectangles = field(default_factory=list)
 
     def find(self, kind: Kind, size: Extents) -> Place | None:
-        """Draw a free place for a thing of a kind and take it; None after some tries."""
+        """Draw a free place for a thing and take what floor and wall it needs, or give None."""
         foot = self.kit.between(*kind["over"]) if kind["at"] == "hung" else 0.0
         for _ in range(TRIES):
             match kind["at"]:

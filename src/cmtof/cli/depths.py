@@ -42,7 +42,7 @@ def choice(
     ] = None,
     tile: Annotated[int, Option(min=0, help="Side of tiles, px, of a large .nc.")] = 0,
 ) -> None:
-    """Options of the unwrapping method, shared by commands through `group_options`."""
+    """Options of the unwrapping method, which a command takes through `group_options`."""
 
 
 @group_options(choice)
@@ -109,7 +109,7 @@ def _check_distinct(paths: list[Path]) -> None:
 def _unwrap_each(
     files: dict[Path, Path], ply: File, how: Options, advance: Callable[..., None]
 ) -> list["Texts"]:
-    """Rows of the table; one of several files that fails is noted, and the others go on."""
+    """Rows of the table, one per unwrapped file; if one of several fails, the others go on."""
     rows = []
     for path, target in files.items():
         try:
@@ -230,7 +230,7 @@ def _print_missing(missing: Mapping[str, Exception]) -> None:
 
 
 def _report_scores(report: "Fields", json_file: File) -> None:
-    """Write a report as JSON where that is asked for, and print its tables."""
+    """Write a report as JSON if a file is named, and print its table and notes."""
     if json_file is not None:
         with atomic_output(json_file) as part:
             part.write_text(json.dumps(report, indent=2) + "\n", encoding="utf-8")

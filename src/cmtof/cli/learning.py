@@ -55,7 +55,7 @@ def render(
 def _render_set(
     output: Path, quiet: bool, workers: int | None, **settings: Any
 ) -> list:
-    """Render a set of rooms as far as it is not there, with a progress bar; report each room."""
+    """Render what a set of rooms still lacks, with a progress bar; return a report of each room."""
     from cmtof_rooms.rendering import Settings, render_rooms
 
     chosen = Settings(**settings)
@@ -72,7 +72,7 @@ def recipe(
     protocol: Annotated[str | None, Option(help="released or full.")] = None,
     seed: AnySeed = None,
 ) -> None:
-    """Options that replace values of a recipe."""
+    """Options that replace values of a training recipe."""
 
 
 def leg(

@@ -42,7 +42,7 @@ def simulate(
     conditions: Options,
     reading: Options,
 ) -> None:
-    """Turn an RGB-D frame into correlation images. `cmtof info` lists the embedded ones.
+    """Turn an RGB-D frame into correlation images. `cmtof info` lists the embedded frames.
 
     Example: [bold]cmtof simulate still_life -o m.nc --protocol full --seed 3[/bold]
     """

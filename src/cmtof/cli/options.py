@@ -73,11 +73,11 @@ def reading(
         bool, Option("--linear", help="Light of a depth image is linear, no sRGB.")
     ] = False,
 ) -> None:
-    """Options of image files."""
+    """Options for reading a depth image: its light, scale, kind and camera."""
 
 
 def group_options(*groups: Callable[..., None]) -> Callable[[Callable], Callable]:
-    """Decorator: a command gets the parameters of each function as options, and as one dict."""
+    """Decorator: a command takes each group's parameters as options, and gets them as one dict."""
     options = {group.__name__: signature(group).parameters for group in groups}
 
     def decorated(command: Callable[..., None]) -> Callable[..., None]:
