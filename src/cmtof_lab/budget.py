@@ -89,7 +89,7 @@ def drawn_terms(target: Plane, mode: str, *, days: int, seed: int) -> Values:
 
 
 def air_term(target: Plane) -> float:
-    """Error by air that has changed since the zero, m."""
+    """Rms range error, m, by air that has changed since the zero."""
     warmer, denser = OpticalRanger.air_change
     excess = (REAL.group_index - 1) * target.distance
     return excess * np.hypot(warmer / REAL.temperature, denser / REAL.pressure)
@@ -111,7 +111,7 @@ def back_ratio(settings: TwinSettings, target: Plane) -> float:
 
 
 def ideal_but_for(*names: str) -> TwinSettings:
-    """Instrument without errors but for fields such as ``leakage``, which are real."""
+    """Settings of an ideal instrument but for fields such as ``leakage``, which keep defaults."""
     return TwinSettings.ideal(**{name: getattr(REAL, name) for name in names})
 
 

@@ -1,4 +1,4 @@
-"""Bursts of the two instruments that are compared in Table 4, by the knobs of the simulated one.
+"""Bursts of the RF demodulator and the interferometer of Table 4, by the simulated one's knobs.
 
 Both look at the reference target, whose light is taken at its mean over the speckle: I and Q as
 `RfRanger` has them, without drift, and the interferogram of `Interferometer`, whose breadboard

@@ -38,12 +38,12 @@ FEATHER = 0.0135
 
 
 def by_name(table: str, stated: Any) -> Any:
-    """What a table of the catalogue holds by a name; what is no name stands for itself."""
+    """Entry of a catalogue's table by its name; anything else is returned as it is."""
     return CATALOGUE[table].get(stated, stated) if isinstance(stated, str) else stated
 
 
 def bump(off: Array, width: float) -> Array:
-    """A Gaussian bump."""
+    """Gaussian bump of height 1: ``exp(-(off / width)^2)`` at offsets from its middle."""
     return exp(-((off / width) ** 2))
 
 
@@ -53,7 +53,7 @@ def mix(dark: ArrayLike, pale: float, share: ArrayLike) -> Array:
 
 
 def relief(stated: Any, x: Array, y: Array, z: Array) -> Array:
-    """A relief: a sum of waves, or its name in the catalogue, or a function of this module."""
+    """Relief, m, at x, y, z by a list of waves, its catalogue name, or a function's name."""
     waves = by_name("waves", stated)
     if isinstance(waves, str):
         return globals()[waves](x, y, z)
@@ -76,7 +76,7 @@ def portrait(x: Array, y: Array, z: Array) -> Array:
 
 
 def features_of_a_face(x: Array, z: Array) -> Array:
-    """Nose, nostrils, sockets, eyes, brows, lips and chin."""
+    """Relief, m, of nose, nostrils, sockets, eyes, brows, lips and chin."""
     apart = abs(x)
     out = 0.019 * bump(x, 0.0075)
     out *= clip(7.8 - z / 0.03, 0, 1)
@@ -88,7 +88,7 @@ def features_of_a_face(x: Array, z: Array) -> Array:
 
 
 def curls(x: Array, y: Array, z: Array) -> Array:
-    """Hair above a line that falls towards the neck."""
+    """Relief, m, of hair above a line that falls towards the neck."""
     line = z - 0.25 + 0.9 * clip(y + 0.02, 0, 0.06)
     above = clip(line / 0.006, 0, 1)
     above *= clip((z - 0.18) / 0.02, 0, 1)
@@ -110,7 +110,7 @@ def visor(x: Array, y: Array, z: Array) -> Array:
 
 
 def openings(table: Any, x: Array, y: Array, z: Array) -> Flags:
-    """Openings in front, as the catalogue states them, of a body that is open behind."""
+    """Whether the helmet is open at x, y, z: behind, and at a table's openings in front."""
     opened = (y > 0.02) & (z < 0.2184)
     for aside, height, breadth, tall, flat, steep, slope in table:
         across = abs(x) - aside
@@ -122,7 +122,7 @@ def openings(table: Any, x: Array, y: Array, z: Array) -> Flags:
 
 
 def feathers(x: Array, y: Array, z: Array) -> tuple[Array, Array, Array]:
-    """How near to the tip of a feather, 0 to 1, a fixed number of each, and its mark's share."""
+    """Nearness to a feather's tip and its random number, both 0 to 1; share of its mark."""
     height = z / FEATHER
     level = floor(height)
     across = arctan2(x, -y) * 24 / TAU
@@ -146,7 +146,7 @@ def plumage(x: Array, y: Array, z: Array) -> Array:
 
 
 def breast(x: Array, y: Array, z: Array) -> Array:
-    """Pale in front, with dark tips."""
+    """Reflectance of the owl's body: pale in front, with dark tips."""
     tip, _, mark = feathers(x, y, z)
     share = clip(0.5 - y / 0.04, 0, 1)
     share *= 0.8 + 0.4 * tip
@@ -154,13 +154,13 @@ def breast(x: Array, y: Array, z: Array) -> Array:
 
 
 def wing(x: Array, y: Array, z: Array) -> Array:
-    """Brown with pale tips."""
+    """Reflectance of the owl's wings: dark with pale tips."""
     _, which, mark = feathers(x, y, z)
     return mix(mix(0.04, 0.16, which), PALE, mark)
 
 
 def owl_face(x: Array, y: Array, z: Array) -> Array:
-    """Two pale discs with rings and a dark rim under a brown crown."""
+    """Reflectance of the owl's head: two pale, ringed, dark-rimmed discs, otherwise as `wing`."""
     front = y < 0
     far = hypot(abs(x) - 0.03, z)
     rings = cos(TAU / 0.0075 * far)
@@ -171,14 +171,14 @@ def owl_face(x: Array, y: Array, z: Array) -> Array:
 
 
 def iris(x: Array, y: Array, z: Array) -> Array:
-    """Pupil and iris of the owl's eye."""
+    """Reflectance of the owl's eye: dark pupil, bright iris, dark around."""
     far = hypot(x, z)
     coloured = where(far < 0.0145, 0.5, 0.05)
     return where(far < 0.0072, DARK, coloured)
 
 
 def label(x: Array, y: Array, z: Array) -> Array:
-    """Glass with a printed label and a cork."""
+    """Reflectance of a bottle: glass with a printed label and a cork."""
     turn = arctan2(x, -y)
     letters = sin(40 * turn)
     letters *= sin(z / 0.0028)
@@ -194,12 +194,12 @@ def banded(x: Array, y: Array, z: Array) -> Array:
 
 
 def stripes(x: Array, y: Array, z: Array) -> Array:
-    """Stripes that run askew."""
+    """Reflectance: dark and bright stripes that run askew."""
     along = 64 * x + 16 * y + 44.8 * z
     return mix(0.1, 0.65, floor(along) % 2)
 
 
 def folds(x: Array, y: Array, z: Array) -> Array:
-    """Folds of a cloth that hangs, wider below."""
+    """Relief, m, of a cloth that hangs: folds, wider below."""
     wide = x * (70 + 60 * z)
     return 0.012 * sin(wide) + 0.004 * sin(2.3 * wide + 12 * z)

@@ -84,13 +84,13 @@ def normals_by_key(seed: int, purpose: int, keys: Numbers, count: int) -> Array:
 
 
 def correlated(own: Array, before: Array, grain: float) -> Array:
-    """Normals, each correlated by ``grain`` with the next, of white ones and the ones before."""
+    """Normals whose neighbours are correlated by ``grain``, from white ones and those before."""
     mix = np.arcsin(2 * grain) / 2  # cos sin of it is the correlation
     return np.cos(mix) * own + np.sin(mix) * before
 
 
 def with_noise(phasor: Complex, rng: Generator) -> Complex:
-    """Phasors (2, H, W) with noise of the detector and, shared by neighbours, of the captures."""
+    """Phasors (2, H, W) with detector noise and the captures' phase noise, correlated in rows."""
     captures = NOISE["captures"]
     dark = DARK * rng.standard_normal((2, *phasor.shape))
     own = rng.standard_normal(phasor.shape)
@@ -190,7 +190,7 @@ class SimulatedInstrument:
         return self.counts(np.repeat(light, length, axis=1), labels, rate)
 
     def _paths(self, panel: Panel, angles: Array) -> Array:
-        """Ranges and shares (2, N, M) of the ways to scene or reference, the stray one last."""
+        """Ranges, m, and light fractions (2, N, M) of paths to scene or target; last stray."""
         settings = self.settings
         ways = []
         if panel.target_in_beam:
@@ -221,7 +221,7 @@ class SimulatedInstrument:
         modules: Complex,
         labels: NDArray,
     ) -> Array:
-        """Light on the detector (N, S), W, at times (N, S), s, with both modules (2, S, K + 1)."""
+        """Detector light (N, S), W, at times (N, S), s, by Fourier coefficients (2, S, K + 1)."""
         products = modules[0] * np.conj(modules[1])
         equal = panel.emission.frequency == panel.detection.frequency
         products[:, 1:] *= 2 * (panel.clock_on and equal)
@@ -238,7 +238,7 @@ class SimulatedInstrument:
         return self.from_fibre(panel, times) * loss * share + room
 
     def _lag(self, mode: int, times: Array, labels: NDArray) -> Array:
-        """Lag (N, S), rad, of the drives: slow, and from step to step of bursts (N,)."""
+        """Phase lag (N, S), rad, between the drives: slow drift, and noise from step to step."""
         slow = self.settings.phase_drift / DRIFT_RMS * drift(self.seed, 1, times)
         spread = STEP_NOISE * self.settings.phase_noise[mode] / (1 + mode)
         if not spread:
@@ -278,7 +278,7 @@ class SimulatedInstrument:
         return self._waveforms(panel, np.array([-1]))[0][0]
 
     def _drives(self, panel: Panel, edges: Numbers) -> Complex:
-        """Complex amplitudes (2, S), rad, of both drives behind edges (S,); -1 is before them."""
+        """Complex amplitudes (2, S), rad, of both drives after edges (S,); -1: before the first."""
         settings = self.settings
         made = []
         for number, one in enumerate((panel.emission, panel.detection)):
@@ -290,7 +290,7 @@ class SimulatedInstrument:
         return np.array(made) + leak * np.array(made[::-1])
 
     def _waveforms(self, panel: Panel, edges: Numbers) -> Complex:
-        """Fourier coefficients (2, S, K + 1) of both modules behind edges (S,)."""
+        """Fourier coefficients (2, S, K + 1) of both waveforms after trigger edges (S,)."""
         drives = self._drives(panel, edges)
         turns = np.exp(1j * np.angle(drives))[..., None] ** np.arange(HARMONICS + 1)
         found = []

@@ -32,7 +32,7 @@ AIR_PER_KELVIN = -0.93e-6  # 1/K, change of the air's index at 20 C (known)
 
 
 class Fringes(NamedTuple):
-    """Interferogram at some ranges (...), V; of a rough plate the mean square over its speckle."""
+    """Interferogram at ranges (...), V; a rough plate's amplitude is the rms over its speckle."""
 
     amplitude: Array
     offset: Array
@@ -71,7 +71,7 @@ class Interferometer(Ranger):
 
     @property
     def wavelength(self) -> float:
-        """Of the laser in air, m; the group index is taken for that of phases, 1e-5 apart."""
+        """Laser wavelength in air, m, by the group index, 1e-5 above the phase index."""
         return self.settings.wavelength / self.settings.group_index
 
     @property
@@ -133,7 +133,7 @@ class Interferometer(Ranger):
         return Fringes(amplitude, offset, variance * settings.noise)
 
     def day(self, target: Plane, positions: Array, rng: Generator) -> Array:
-        """Ranges (P,), m, counted from the known first of stage positions (P,), m."""
+        """Ranges (P,), m, at stage positions (P,), m, by fringes counted from the first."""
         counts = np.ceil(abs(np.diff(positions)) / self.stride - 1e-9).clip(1)
         # readings at the stops, of all that the stage passes on its way
         stations = np.append(0, counts.cumsum()).astype(int)
@@ -147,7 +147,7 @@ class Interferometer(Ranger):
         return target.distance + positions[0] + moved
 
     def _speckle(self, target: Plane, stops: Array, rng: Generator) -> NDArray:
-        """Factor of the field at the stops: a mirror has none."""
+        """Complex speckle factor (P,) of the field at stops (P,), m; 1 without speckle."""
         if not self.settings.speckle or target.mirrored:
             return np.ones(stops.size)
         # circular, of mean square 1, with the correlation exp(-d^2)
@@ -169,7 +169,7 @@ class Interferometer(Ranger):
         return way + self.shaking * shaken + drifted
 
     def _count_phase(self, way: Array, shown: Fringes, rng: Generator) -> Array:
-        """Phase, rad, counted from reading to reading, from the plate's own, which is known."""
+        """Unwrapped phase, rad, of each reading, from the first stop's known speckle phase."""
         noise = np.sqrt(2 * shown.variance / self.steps)
         read = shown.amplitude * np.exp(2j * TAU / self.wavelength * way)
         read += noise * circular_normals(rng, way.size)
@@ -195,7 +195,7 @@ class Interferometer(Ranger):
 
 
 def _along(stations: Numbers, values: NDArray) -> NDArray:
-    """Values at every reading, linear between those at the stations."""
+    """Values at every reading, interpolated linearly from those at the readings ``stations``."""
     return np.interp(np.arange(stations[-1] + 1), stations, values)
 
 

@@ -39,7 +39,7 @@ PSI = nominal_psi(STEPS)
 
 @dataclass(frozen=True, kw_only=True)
 class MhzCamera:
-    """Camera and its light; *known* of the part, or *assumed*. Nothing was fitted to the paper."""
+    """Camera and its light, values *known* of the part or *assumed*, none fitted to the paper."""
 
     power: float = 8e-3  # W, mean of four VCSELs over the whole field (Sec. 8.2)
     wavelength: float = 850e-9  # m (Sec. 8.2)
@@ -88,7 +88,7 @@ class MhzCamera:
         return wrap_length(self.frequency)  # pyright: ignore[reportReturnType]
 
     def signal(self, view: RayEnds) -> Array:
-        """Charge of one step in both taps by the direct way, electrons, (H, W) (law in chapter 20).
+        """Charge (H, W), electrons, of one step in both taps by direct light (law in chapter 20).
 
         A polished surface keeps a small diffuse share, and mirrors where it faces lens and source.
         """

@@ -46,9 +46,9 @@ FIELD_OF_VIEW = {name: one["field_of_view"] for name, one in OBJECTS.items()}
 
 @lru_cache(maxsize=4)
 def object_mesh(name: str) -> Trimesh:
-    """Mesh of one of `OBJECTS` 0.9 m before the instrument, on a table before a wall.
+    """Mesh of one of `OBJECTS` about 0.9 m before the instrument, on a table before a wall.
 
-    From any point of the scene light has a range of 0.77 to 1.19 m: the wraps 36 to 56.
+    Ranges within the field of view are 0.75 to 1.20 m: the wraps 36 to 56.
     """
     held = OBJECTS[name]
     mesh = _stage(map(_piece, held["pieces"]), 1.2, WALL, 0.4, 0.55)
@@ -60,7 +60,7 @@ def object_mesh(name: str) -> Trimesh:
 def still_life(
     stated: Sequence[Iterable[Fields]], rng: Generator
 ) -> tuple[Trimesh, float]:
-    """Things of stated pieces, posed at random on a table, and the field of view, rad."""
+    """Mesh of things made of pieces, posed at random on a table, and its field of view, rad."""
     pitch = rng.uniform(0.04, 0.55)
     many = len(stated) > 1
     places = rng.permutation(np.linspace(-0.1, 0.1, len(stated)) * many)
@@ -74,7 +74,7 @@ def still_life(
 
 
 def _pose(pieces: Iterable[Fields], x: float, many: bool, rng: Generator) -> Any:
-    """A thing stretched, turned, one in five laid down, and put on the table; smaller of many."""
+    """Mesh of a thing, stretched, turned and, one in five, laid down; smaller if ``many``."""
     size = rng.uniform(0.75 - 0.25 * many, 1.15 - 0.2 * many)
     mesh: Any = concatenate([_refinish(_piece(one), rng) for one in pieces])
     points = mesh.vertices * size * rng.uniform(0.8, 1.25, 3)
@@ -89,7 +89,7 @@ def _pose(pieces: Iterable[Fields], x: float, many: bool, rng: Generator) -> Any
 
 
 def _refinish(piece: Trimesh, rng: Generator) -> Trimesh:
-    """A piece that is darker or brighter, one in five more or less polished."""
+    """The piece, made darker or brighter at random and, one in five, more or less polished."""
     held = piece.vertex_attributes
     brighter = held["reflectance"] * np.exp(rng.uniform(-0.8, 0.8))
     held["reflectance"] = brighter.clip(0.03, 0.85)
@@ -99,7 +99,7 @@ def _refinish(piece: Trimesh, rng: Generator) -> Trimesh:
 
 
 def _stage(things: Iterable[Trimesh], wide: float, wall: float, *looks: float) -> Any:
-    """Mesh of things on a table and of a wall at y = ``wall``, m; looks of table and wall."""
+    """Mesh of things on a table before a wall at y = ``wall``, m; ``looks``: both reflectances."""
     board = _box((wide, 0.75 * wide, 0.01))
     back = _box((wide, 0.01, wide))
     return concatenate(
@@ -160,7 +160,7 @@ def _finish(
     at: ArrayLike = (0, 0, 0),
     turn: float = 0,
 ) -> Trimesh:
-    """A shape on z = 0, front towards -y, of a look (number or function), turned and moved."""
+    """Mesh of a shape, turned and moved, with reflectance: a number, or a function of x, y, z."""
     points = shape.vertices
     seen = look(*points.T) if callable(look) else look
     held = {

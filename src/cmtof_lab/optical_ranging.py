@@ -103,7 +103,7 @@ class OpticalRanger(PhaseRanger):
         return (target.distance + positions) * (1 + thicker / index) + off / index
 
     def _air_change(self, settings: TwinSettings, rng: Generator) -> float:
-        """Change of the air's index since the zero, by whose index the lab divides."""
+        """Change of the air's index since the zero; the lab still divides ranges by the old one."""
         warmer, denser = rng.standard_normal(2) * self.air_change
         change = denser / max(settings.pressure, 1.0) - warmer / settings.temperature
         return (settings.group_index - 1) * change
@@ -151,7 +151,7 @@ class OpticalRanger(PhaseRanger):
 
 
 def _another_day(settings: TwinSettings, rng: Generator) -> TwinSettings:
-    """Settings whose phases of paths, cables and leaks, which none states, are drawn again."""
+    """Settings whose phases of paths, cables and leaks, unknown on another day, are drawn again."""
     path, back, cable, leak = rng.random(4)
     return replace(
         settings,

@@ -29,7 +29,7 @@ _WEIGHTS = np.array([1 / 2] + 6 * [1 / 12])
 
 
 class Paths(NamedTuple):
-    """Ways of the light to the detector and back, M for each of N directions."""
+    """Paths of the light to the scene and back, M for each of N directions."""
 
     range: Array  # (N, M), m; negative before the galvo
     fraction: Array  # (N, M), share of the emitted light that enters aperture and splitter's axis
@@ -52,7 +52,7 @@ def aperture_area(settings: TwinSettings) -> float:
 
 
 def speckle_cells(settings: TwinSettings, distance: ArrayLike) -> Array:
-    """Speckle cells in the aperture, ``1 + A pi w^2 / (lambda z)^2``; their contrast is 1/sqrt."""
+    """Speckle cells M in the aperture, ``1 + A pi w^2 / (lambda z)^2``: contrast 1 / sqrt(M)."""
     # (lambda z)^2 / (pi w^2): coherence area of a Gaussian spot (Goodman, Speckle, 2007, ch. 4)
     product = aperture_area(settings) * np.pi * spot_radius(settings, distance) ** 2
     return 1 + product / np.multiply(settings.wavelength, distance) ** 2
@@ -131,7 +131,7 @@ def inward(settings: TwinSettings) -> float:
 
 
 def ambient(settings: TwinSettings) -> float:
-    """Room light, W, behind `inward`: radiance times aperture times solid angle, half polarised."""
+    """Room light, W, through `inward`: half of radiance times aperture times solid angle."""
     etendue = aperture_area(settings) * (np.pi * settings.field_of_view**2 / 4)
     return 0.5 * settings.ambient_radiance * etendue * inward(settings)
 
@@ -143,7 +143,7 @@ def emission_harmonics(settings: TwinSettings, mode: str) -> Complex:
 
 
 def emission_mean(settings: TwinSettings, mode: str) -> float:
-    """Mean transmission of that module, mirror included."""
+    """Mean transmission of an ideal emission module, its mirror's reflectance included."""
     return emission_harmonics(settings, mode)[0].real * settings.mirror_reflectance
 
 

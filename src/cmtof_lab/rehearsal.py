@@ -54,7 +54,7 @@ def simulated_bench(
 
 
 def rig_of(path: str, **changes: Any) -> Rig:
-    """Rig of a RIG file, or for an empty path the default one, with other fields."""
+    """Rig of a RIG file, or for an empty path the default one, with some fields changed."""
     return replace(Rig.load(path) if path else Rig.default(), **changes)
 
 

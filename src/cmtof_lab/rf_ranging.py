@@ -102,18 +102,18 @@ class RfRanger(PhaseRanger):
         return np.array([10 ** (self.amplitude_imbalance / 20), self.phase_imbalance])
 
     def output(self, envelopes: Complex) -> Complex:
-        """Voltages I + iQ behind the amplifiers of envelopes, V."""
+        """Voltages I + iQ, V, behind mixer and amplifiers, of envelopes, V, in the load."""
         gain = np.sqrt(self.gain_ahead) * self.baseband_gain
         return gain * skew_quadratures(envelopes, *self.imbalance)
 
     @property
     def sent_light(self) -> float:
-        """Light that is sent, W, but for the losses on the way back."""
+        """Mean power sent to the scene, W, times the transmission from aperture to detector."""
         return sent_power(self.settings, self.mode) * inward(self.settings)
 
     @property
     def offsets(self) -> Array:
-        """Envelopes of self-mixing and pick-up (2,), V: no light."""
+        """Envelopes (2,), V, of self-mixing and of the drive's pick-up, without any light."""
         sent_back = self.lo_power - self.lo_isolation - self.return_loss
         leaked = sent_back - (self.amplifier_gain - self.filter_loss)
         level = np.array([leaked, self.drive_power - self.isolation])  # dBm

@@ -155,7 +155,7 @@ class TwinSettings:
         )
 
     def as_dict(self) -> Fields:
-        """Plain values."""
+        """Settings as plain values for JSON."""
         return TypeAdapter(type(self)).dump_python(self, mode="json", fallback=repr)
 
     @classmethod

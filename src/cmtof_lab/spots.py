@@ -30,7 +30,7 @@ class Sensor:
 
     @property
     def speckle(self) -> float:
-        r"""Deviation of a spot's centroid by speckle of contrast C, px: C lambda N / (sqrt(2) pi).
+        r"""Deviation, px, of a centroid by speckle of contrast C: C lambda N / (sqrt(2) pi pitch).
 
         (Dorsch, Haeusler and Herrmann, Applied Optics 33, 1306, 1994, found this limit.)
         """
@@ -66,7 +66,7 @@ def place_spots(light: Array, sensor: Sensor) -> Arrays:
     .. math:: x \leftarrow x + 2\frac{\sum w I (u - x)}{\sum w I}, \qquad
               \sigma_x = \frac{\sqrt{\sum w^2 (u - x)^2 v}}{\sum w I\,(1 - (u - x)^2/s^2)}.
 
-    The light is in electrons of variance v. NaN for spots saturated or below six deviations.
+    Electrons of variance v; speckle adds to sigma. NaN: saturated, below six deviations, 2 px off.
     """
     middle = light.shape[-1] / 2
     centre = np.full((2, len(light)), middle)

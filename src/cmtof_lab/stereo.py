@@ -118,7 +118,7 @@ def board_poses(rig: StereoRig, count: int, *, rng: Generator) -> list[RigidTran
 
 
 def calibrate(corners: ArrayLike, shape: Shape) -> tuple[StereoRig, float]:
-    """Rig in the left camera's frame and a corner's rms residual, px, of corners (2, V, 54, 2)."""
+    """Rig in the left camera's frame, and rms residual per axis, px, of corners (2, V, 54, 2)."""
     import cv2
 
     corners = np.asarray(corners, np.float32)
@@ -163,7 +163,7 @@ class Spots(NamedTuple):
 
 
 def visible_from(points: Array, centre: ArrayLike) -> Flags:
-    """Points (H, W, 3), m, of a scan that nothing hides from a place (3,), neighbours joined."""
+    """Which points (H, W, 3), m, of a scan are seen from a place (3,), their mesh hiding others."""
     known = np.isfinite(points).all(-1)
     faces = mesh_triangles(points)
     points = np.nan_to_num(points)
@@ -211,7 +211,7 @@ def _spot_light(
 
 
 class PseudoTruth(NamedTuple):
-    """Labels (H, W) from stereo."""
+    """Wrap labels and ranges (H, W) from stereo, and where they are certain."""
 
     wraps: Numbers  # -1 without a label
     mask: Flags  # True where a pixel is labelled

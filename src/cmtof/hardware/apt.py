@@ -100,7 +100,7 @@ class Motor(Device):
         self._move_and_wait("mot_move_home", 0.0, waiting=waiting)
 
     def move_to(self, position: float, *, waiting: Waiting = None) -> float:
-        """Move to a position, m or rad, and wait; return it. After an error it is stopped."""
+        """Move to a position, m or rad, and return where the motor rests; an error stops it."""
         self._within(position=position)
         if not self.homed:
             self._fail(Refused, "be homed before a move", "it not homed", "Home it.")

@@ -29,7 +29,7 @@ RAMP = (-20.0, -10.0, -6.0, -3.0, 0.0)  # dB: steps by which RF comes up to its 
 
 
 class Bench(EmergencyStop):
-    """Instruments of a rig, by role; as a context it brings them into their safe states.
+    """Instruments of a rig, by role; a context that leaves all of them in their safe states.
 
     All lines are wired so that low, a cut cable or a read-out without power is safe; an open
     interlock reads low. ``patience`` is the share of all settling times that is waited for, 0 for
@@ -171,7 +171,7 @@ class Bench(EmergencyStop):
         )
 
     def ramp_up(self, rf: RfRole, power: float) -> None:
-        """Switch RF on and bring it to its power, dBm, in steps; it has to be locked at each."""
+        """Switch RF on and raise it to a power, dBm, in steps, waiting for the lock at each."""
         if power > self.rig.power_dbm_limit:
             raise ValueError(
                 f"Expected RF up to power_dbm_limit, {self.rig.power_dbm_limit:g} dBm, "
@@ -273,7 +273,7 @@ class Bench(EmergencyStop):
         return metered
 
     def measure(self, plan: Plan, line: Line, attempts: int = ATTEMPTS) -> LineRecord:
-        """Record of one line; when samples or a trigger edge are lost it is repeated."""
+        """Record of a plan's line, measured up to three times if samples or edges are lost."""
         self.look_at(line.kind)
         has_light = line.kind != "dark"
         if line.kind == "reference":

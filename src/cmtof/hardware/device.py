@@ -153,7 +153,7 @@ class Device:
 
 
 def question(ask: Callable[..., Any]) -> Callable[..., Any]:
-    """Decorator: ask once more after a lost or garbled answer, where that changes nothing."""
+    """Decorator for requests that change nothing: ask again if the answer is lost or garbled."""
 
     @wraps(ask)
     def asked(self: Device, *arguments: Any) -> Any:

@@ -55,7 +55,7 @@ def take_reading(bench: Bench, way: str, gain: Gain, labels: Iterator[int]) -> A
 
 
 def stepped_phases(volts: Array) -> Array:
-    """Phases (N,), rad, of readings (N, K) over a turn of the reference."""
+    """Phases (N,), rad, of readings (N, K) at K reference phases, evenly over a turn."""
     return decode(volts.T, nominal_psi(volts.shape[1])).phase
 
 

@@ -113,7 +113,7 @@ def check_brightness(volts: Array, limit: float) -> None:
 
 
 def psi_correction(plan: Plan, header: Named, mode: str, records: Records) -> Pair:
-    """Offset and drift of psi, rad, from records of the target; a ValueError if it saturates."""
+    """Offset and drift of psi, rad, by the target; ValueError if it saturates or lacks contrast."""
     gain = Gain(*header["calibration"])
     seen, counts = lines_of(plan, records, mode, "reference")
     volts = gain.volts_from_counts(counts)

@@ -80,7 +80,7 @@ class RfDriver(Device):
         self._set("POWR", dbm, 0.051)
 
     def set_phase(self, rad: float) -> None:
-        """Set the phase of the drive outside the table, rad."""
+        """Set the phase of the drive, rad, for when no trigger steps through the phase table."""
         self._set("PHAS", code_from_phase(rad))
 
     def set_dead_man(self, seconds: float) -> None:
@@ -138,7 +138,7 @@ class RfDriver(Device):
         self._ask("ARM")
 
     def safe_state(self) -> None:
-        """Turn RF and trigger off; this request alone is repeated, up to three times."""
+        """Turn RF and trigger off, in up to three tries; `Unsafe` if RF stays on."""
         insist(lambda: self._ask("SAFE"), tries=3)
         if self.status().on:
             self._fail(Unsafe, "turn RF off", "it on", "Switch it off by hand.")
@@ -149,7 +149,7 @@ class RfDriver(Device):
             return dict(zip(("model", "serial_number", "firmware"), words, strict=True))
 
     def _set(self, word: str, value: float, tolerance: float = 0.0, *more: str) -> None:
-        """Set a number within its limits, and what follows it; `Refused` if it is not confirmed."""
+        """Set a number within its limits, with more arguments; `Refused` if it is not confirmed."""
         self._within(**{word: value})
         found = number(" ".join(self._ask(word, f"{value:.12g}", *more)))
         self._expect(word, value, found, tolerance)

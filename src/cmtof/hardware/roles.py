@@ -61,7 +61,7 @@ class RfRole(DeviceRole, Protocol):
         """Set the power, dBm."""
 
     def set_phase(self, rad: float) -> None:
-        """Set the phase outside the table, rad."""
+        """Set the phase of the drive, rad, for when no trigger steps through the table."""
 
     def set_dead_man(self, seconds: float) -> None:
         """Set the watchdog: RF turns off when no request comes for so many seconds."""
@@ -87,7 +87,7 @@ class RfRole(DeviceRole, Protocol):
         """Load the table of drive phases, rad."""
 
     def trigger(self, on: bool) -> None:
-        """Choose whether edges at the trigger input step the table."""
+        """Choose whether edges at the trigger input step through the table."""
 
     def arm(self) -> None:
         """Rewind the table to its first entry, and count trigger edges from 0."""
@@ -182,7 +182,7 @@ class ReadOutRole(DeviceRole, Protocol):
         pulse_line: str,
         pulse: int,
     ) -> None:
-        """Set up bursts of inputs; a line is high for the first half of each ``pulse``."""
+        """Set up bursts of inputs; a line is high in the first half of each ``pulse`` samples."""
 
     def bursts(self, requests: Requests) -> Iterator[Counts]:
         """Counts of one burst per request, whose registers are written as it starts."""

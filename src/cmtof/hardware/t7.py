@@ -115,7 +115,7 @@ class LabJackT7(Device):
         pulse_line: str,
         pulse: int,
     ) -> None:
-        """Set up bursts of inputs; a line is high for the first half of each ``pulse``."""
+        """Set up bursts of inputs; a line is high in the first half of each ``pulse`` samples."""
         self._within(rate=rate * (1 + len(channels)), pulse=pulse)
         if scans % pulse:
             raise ValueError(
