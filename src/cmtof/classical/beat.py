@@ -61,7 +61,7 @@ def beat_polar(measurement: Measurement) -> Arrays:
 
 
 def beat_phasor(measurement: Measurement) -> Complex:
-    """Beat phasor ``|p_1| |p_2| exp(i (phi_2 - k phi_1))`` (H, W), counts^2; 0 where unknown."""
+    """Phasor (H, W) of the beat, counts^2, of the magnitude and phase that `beat_polar` gives."""
     size, angle = beat_polar(measurement)
     return size * np.exp(1j * angle)  # pyright: ignore[reportReturnType]
 

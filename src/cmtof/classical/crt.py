@@ -41,7 +41,7 @@ def crt_ml(measurement: Measurement) -> Estimate:
 
 
 def crt_closed_form(measurement: Measurement) -> Estimate:
-    """Strict closed form: exact below its bound, arbitrary above.
+    """Chinese remainders in closed form: exact if they err by less than M / 4, else arbitrary.
 
     ``n_1 = q k_2^{-1} mod k_1``, ``q = round((r_2 - r_1) / M)``: depths run over ``c / 2g``, 15 m.
     Beyond that the confidence is shared among the depths that look alike.
@@ -67,7 +67,7 @@ def crt_closed_form(measurement: Measurement) -> Estimate:
 
 
 def _rounding_odds(misfit: Array, unit: float, noise: Array) -> Array:
-    """Probability (H, W) that what is ``misfit`` off a multiple of a unit belongs to it."""
+    """Probability (H, W) that rounding to a multiple of ``unit``, ``misfit`` away, was right."""
     spread = np.maximum(np.hypot(*noise), 1e-12)
     upper = ndtr((unit / 2 - misfit) / spread)
     lower = ndtr((-unit / 2 - misfit) / spread)

@@ -37,7 +37,7 @@ _FINEST = 0.01  # least misfit, rad, that counts as one sigma
 def kde(
     measurement: Measurement, *, kernel: float = KERNEL, radius: int = RADIUS
 ) -> Estimate:
-    """Wrap of each pixel whose depth is the densest among those of its neighbours.
+    """Depth of each pixel by the wrap about which its neighbours' hypotheses are densest.
 
     ``kernel`` is the width h along depth, wraps of the lower frequency; ``radius`` that of the
     Gaussian window, px, with half of it as sigma. The confidence is the share of all densities.
@@ -122,7 +122,7 @@ def _largest_density(
 
 
 def _kernels(turns: Single, kernel: float, nodes: int) -> Single:
-    """Kernel (node, wrap, H, W), 0 to 1, from the depths of wraps around to the nodes of a wrap."""
+    """Gaussian (node, wrap, H, W), 0 to 1, of distances of nearby wraps' depths to nodes."""
     reach = ceil(4 * kernel)
     apart = np.arange(-reach, reach + 1) - np.arange(nodes)[:, None] / nodes
     return np.exp(-(((turns + apart[..., None, None]) / kernel) ** 2) / 2).astype(

@@ -44,7 +44,7 @@ _SHARPEST = 1e4  # largest kappa: a beat known to 0.01 rad needs no more weight
 
 
 class RandomField(NamedTuple):
-    """The random field of a measurement."""
+    """Smoothed phase, and costs by the beat, of a random field; label n is wrap ``first`` + n."""
 
     phase: Single  # smoothed, (H, W), rad; the labels belong to it
     beat: Complex  # (H, W), kappa exp(i r) of what label 0 leaves of the beat
@@ -144,7 +144,7 @@ def _pool_beat(kappa: Array, beat: Array, slope: Array) -> Complex:
 
 
 def _noise(phasors: Complex, means: Complex) -> Array:
-    """Noise of two phasors across their direction, counts, from what averaging took off."""
+    """Noise (2,), counts, of both phasors across the direction of their local means."""
     known = (phasors != 0).all(axis=0)
     if not known.any():
         return np.zeros(2)
@@ -156,7 +156,7 @@ def _noise(phasors: Complex, means: Complex) -> Array:
 def _coherent_mean(
     phasors: Complex, slope: Array, ratio: float, radius: int
 ) -> Complex:
-    """Mean of phasors (2, H, W) over a square, turned back by the slope, ``ratio`` times it."""
+    """Mean of phasors (2, H, W) over squares, turned back by the slope, the higher by ``ratio``."""
     ratios = np.array([1.0, ratio])[:, None, None]
     down, right = np.exp(-1j * ratios * slope[:, None])
     margin = (radius, radius)

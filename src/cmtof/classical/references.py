@@ -55,7 +55,7 @@ def reference_offset(measurement: Measurement) -> Estimate:
 
 
 def reference_contact(measurement: Measurement) -> Estimate:
-    """True bodies, across creases, one unknown offset each, found by the beat of their phasors."""
+    """True bodies, joined across creases, one unknown offset each, by the beat of their phasors."""
     return _estimate_from_shapes(measurement, bodies)
 
 
@@ -133,7 +133,7 @@ def _offset(sums: list[Pooled], middle: Array, measurement: Measurement) -> Arra
 
 
 def _pool_within(phasors: Complex, surface: Numbers, side: int) -> Pooled:
-    """Phase and its spread (H, W), rad, of phasors summed over surface and square of each pixel."""
+    """Phase and spread (H, W), rad, of phasors summed over each pixel's surface in a square."""
     phase = np.angle(phasors)
     spread = np.full(phasors.shape, np.inf)
     for place, inside in _pieces(surface):

@@ -71,7 +71,7 @@ def spatial(measurement: Measurement) -> Estimate:
 
 
 def region(measurement: Measurement) -> Estimate:
-    """Regions of the spatially unwrapped phase, one pooled beat each.
+    """Depth by regions of the spatially unwrapped phase, each placed by its pooled beat.
 
     Regions end where the unwrapped phase or the amplitude steps. The angle of the summed phasors of
     the beat, demodulated by the relative depth, gives the whole wraps of each. They are as sure as
@@ -118,10 +118,10 @@ def _offset_odds(
 
 
 def _brightness(measurement: Measurement) -> Arrays:
-    """Smoothed logarithm of amplitude (H, W), and coherence, which sinks at edges.
+    """Logarithm of smoothed amplitude (H, W), and coherence, which sinks at edges.
 
-    That is the length of ``sum p(x+1) conj p(x)`` over that of its parts, over 11 x 11 px, for both
-    axes in turn; p is the phasor of the lowest frequency.
+    That is the length of ``sum p(x+1) conj p(x)`` over those of its parts, in 11 x 11 px, times the
+    same along the other axis; p is the phasor of the lowest frequency.
     """
     amplitude = np.nan_to_num(measurement.amplitude)
     phasor = amplitude[0] * np.exp(1j * measurement.phase[0])

@@ -166,7 +166,7 @@ class Pack(NamedTuple):
     far: Array  # (V,), m, the 99.9th percentile, by which ``released`` shrinks
 
     def staged_window(self, view: int, protocol: str, window: Any = ...) -> Crop:
-        """Depth as the protocol stages it, and intensity, of a window of one frame."""
+        """Depth, m, scaled as by the protocol, and intensity, of a window of one frame."""
         scale = released_scale(self.far[view]) if protocol == "released" else 1.0
         depth = self.depth[view][window]
         light = self.intensity[view][window]
@@ -219,7 +219,7 @@ def open_rooms(
 
 
 def _pack_of_leaves(config: Config) -> Pack:
-    """Leaves to validate on."""
+    """`Pack` of dead leaves to validate on, from seeds of their own."""
     side = config.stages[-1].crop
     crops = [
         dead_leaves(default_rng([99, k]), side, config.protocol)
@@ -250,7 +250,7 @@ def room_crop(rng: Generator, pack: Pack, side: int, protocol: str) -> Crop:
 def _draw_window(
     rng: Generator, pack: Pack, side: int, protocol: str
 ) -> tuple[float, Array, Array]:
-    """Share in range of a window of a frame, two of three times moved, its depth and intensity."""
+    """Share in range, depth, m, and intensity of a random window; two of three move in depth."""
     first, classes = CLASSES[protocol]
     sizes = np.subtract(pack.depth.shape, (0, side - 1, side - 1))
     view, y, x = rng.integers(sizes)

@@ -61,7 +61,7 @@ def unwrapping_loss(
 def regression_loss(
     found: Tensor, label: Tensor, turns: Tensor, classes: int, smoothness: float = 0.0
 ) -> Tensor:
-    r"""Absolute error of a regressed depth (B, 1, H, W), and of its gradient (Su et al. 2018).
+    r"""Absolute error of a regressed depth (B, 1, H, W), plus its scaled gradient (Su et al. 2018).
 
     Depths are wraps above the first class, and the loss is over the number of classes; the gradient
     is that to the next row and column.

@@ -97,7 +97,7 @@ class Config(Strict):
         return sum(stage.steps for stage in self.stages)
 
     def stage_at(self, step: int) -> tuple[Stage, float]:
-        """Stage of a step, counted from 0, and the share of the stage before it, 0 to 1."""
+        """Stage of a step, counted from 0, and the share of that stage that is done, 0 to 1."""
         for stage in self.stages:
             if step < stage.steps:
                 return stage, step / stage.steps

@@ -54,7 +54,7 @@ def loss_of(network: Network, sample: Sample) -> Tensor:
 
 
 def multiplies_bfloat16() -> bool:
-    """Whether the processor has instructions for it; without them single precision is faster."""
+    """Whether the processor has bfloat16 instructions; if not, single precision is faster."""
     return torch.cpu.get_capabilities().get("avx512_bf16", False)
 
 
@@ -256,7 +256,7 @@ def train(
 
     ``find_tree`` returns the folder of a configuration's rooms in Hypersim's layout, and may render
     them first; it is called after ``folder`` is made. ``init`` are weights to begin with,
-    ``resume`` goes on from the folder's checkpoint, and a leg ends at the first checkpoint after
+    ``resume`` goes on from the folder's checkpoint, and a call ends at the first checkpoint after
     some ``minutes``; the ``flags`` are Lightning's: accelerator, devices, num_nodes, strategy.
     Returned is the file of weights, or None while steps are left. Raises ValueError if another
     process trains there.

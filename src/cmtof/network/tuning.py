@@ -74,7 +74,7 @@ def fine_tune(
 def _tune(
     trained: Network, draw_crops: Callable[[], list[Sample]], steps: int, rate: float
 ) -> tuple[Network, list[float]]:
-    """Averaged copy of a network that learns from crops, and the loss of each step before it."""
+    """Averaged copy of a network that learns from crops, and losses, one before each step."""
     average = deepcopy(trained).requires_grad_(False)
     network = deepcopy(trained).to(memory_format=torch.channels_last).train()  # pyright: ignore[reportCallIssue]
     for layer in norms(network):

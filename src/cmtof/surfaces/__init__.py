@@ -1,4 +1,4 @@
-"""Our own method: surfaces in true geometry, grown, pooled and tied to each other."""
+"""Our own method: smooth surfaces in space, each unwrapped by the phases of all its pixels."""
 
 from cmtof.surfaces.method import stages, surfaces
 from cmtof.surfaces.mirrored import surfaces_mirrored

@@ -1,6 +1,6 @@
-"""Pooled beats: how many whole wraps each surface is off.
+"""Offset of each surface, in wraps, by the beat of both phases pooled over its pixels.
 
-The pooled higher phase lags behind the lower one by ``2 pi m (k_2 / k_1 - 2)`` after m wraps.
+The beat ``phi_2 - 2 phi_1`` of a surface that is m wraps off is ``2 pi m (k_2 / k_1 - 2)``.
 Where a spot crosses an outline, a pixel has the beat of neither surface, and lies wraps away from
 both. It hardly counts, as far as it is clear enough to be told from the others.
 """
@@ -44,7 +44,7 @@ def pooled_beats(field: Field, cells: Cells) -> Beats:
 
 
 def _beats(field: Field, cells: Cells) -> Beats:
-    """One pass of `pooled_beats`."""
+    """Beats of surfaces by one pooling, in which cells far from their surface's mean count less."""
     turned = cell_phasors(field, cells)
     lag, known = lags_of_phasors(field, turned, cells.information)
     weight = np.ones(1)
@@ -56,7 +56,7 @@ def _beats(field: Field, cells: Cells) -> Beats:
 
 
 def _weighted_beats(field: Field, cells: Cells, turned: Array, weight: Array) -> Beats:
-    """Beats of phasors (2, h, w) that count by their weight (h, w)."""
+    """`Beats` of surfaces by the phasors (2, h, w) of their cells, times weights (h, w)."""
     total, most = pooled_phasors(
         cells.main, weight * turned, weight * cells.information, cells.rough.size
     )
@@ -68,7 +68,7 @@ def _weighted_beats(field: Field, cells: Cells, turned: Array, weight: Array) ->
 
 
 def lags_of_phasors(field: Field, turned: Array, information: Array) -> Arrays:
-    """Lag of the beat of phasors (2, h, w), wraps, and its inverse variance."""
+    """Offset (h, w), wraps, by the beat of each cell's phasors (2, h, w); its inverse variance."""
     low, high = turned.imag / np.maximum(information, 1e-6)
     lag = (high - field.multiple * low) / (TAU * field.excess)
     return lag, information_of_beats(field, information)
@@ -82,7 +82,7 @@ def information_of_beats(field: Field, information: Array) -> Array:
 
 
 def cell_phasors(field: Field, cells: Cells) -> Array:
-    """Phasors (2, h, w) of cells without what moves both alike."""
+    """Phasors (2, h, w) of cells, turned back by the departure in depth that both phases share."""
     sums = cells.sums
     multiple = field.multiple
     rough = np.append(cells.rough, 0)[cells.label]
@@ -101,7 +101,7 @@ def cell_phasors(field: Field, cells: Cells) -> Array:
 
 
 def _with_neighbours(cells: Cells, sums: Array) -> Array:
-    """Phasors (2, h, w) of cells, with those of neighbours where one knows too little."""
+    """Phasors (2, h, w) of cells, summed with neighbours' where their information is small."""
     both = np.concatenate([sums, cells.information])
     found = both
     for radius in (1, 2, 4):  # six functions miss what these turn back

@@ -1,4 +1,4 @@
-"""Compiled loops (Numba): phasors turned back by a surface, summed over blocks of pixels.
+"""Compiled loops (Numba): phasors turned back by a surface's phase, summed over pixel blocks.
 
 Within a block the depth of all pixels changes nearly alike with each parameter of a surface, so
 that its derivatives are taken in the middle. Every step has a loop of its own over the pixels of a
@@ -19,7 +19,7 @@ SIDE = 4  # of a block, px, by which sides of rectangles are divisible
 
 
 class Region(NamedTuple):
-    """Pixels that a fit looks at: those of one surface in some rectangles."""
+    """Pixels that a fit looks at: those of one surface, or all, in some rectangles."""
 
     boxes: Numbers  # (B, 4): top, bottom, left and right of each
     label: Numbers  # surface of each pixel (H, W)
@@ -28,7 +28,7 @@ class Region(NamedTuple):
 
 @njit()
 def region_of_boxes(boxes):  # pragma: no cover - compiled
-    """Region of every pixel of rectangles."""
+    """`Region` of all pixels of rectangles (B, 4), whatever their surface."""
     return Region(boxes, np.zeros((1, 1), np.int32), np.int64(-1))
 
 
@@ -51,7 +51,7 @@ def blocks_of_boxes(boxes):  # pragma: no cover - compiled
 
 @njit()
 def functions_of_blocks(field, places):  # pragma: no cover - compiled
-    """Cosine times u, v, 1, u^2, u v, v^2 (6, N) in the middle of blocks."""
+    """Functions (6, N) that sum to 1 / z, mid-block: cosine times u, v, 1, u^2, u v, v^2."""
     last = SIDE - 1
     out = np.empty((BENT, len(places)))
     for n in range(len(places)):
@@ -76,7 +76,7 @@ def depths_of_blocks(q, functions):  # pragma: no cover - compiled
 
 @njit()
 def block_sums(field, region, q, places):  # pragma: no cover - compiled
-    """Phasors (2, N) of blocks, turned back by a surface and summed, and their E (2, N)."""
+    """Sums (2, N) over blocks: of phasors turned back by a surface, and of their information E."""
     total = np.zeros((2, len(places)), np.complex128)
     information = np.zeros((2, len(places)))
     depth = np.empty(SIDE**2)
@@ -100,7 +100,7 @@ def block_sums(field, region, q, places):  # pragma: no cover - compiled
 
 @inlined
 def unit_phasor(turns):  # pragma: no cover - compiled
-    """exp(-i x) of an angle in turns, to 2e-8: Taylor series on a quarter turn to each side."""
+    """exp(-i x) of an angle in turns, to 6e-8: Taylor series on a quarter turn to each side."""
     whole = np.floor(2 * turns + 0.5)
     x = (turns - 0.5 * whole) * TAU
     odd = 1.0 - 2.0 * (whole - 2.0 * np.floor(0.5 * whole))
@@ -117,7 +117,7 @@ def unit_phasor(turns):  # pragma: no cover - compiled
 
 @inlined
 def pixel_likelihood(field, q, y, x):  # pragma: no cover - compiled
-    """S of a surface at one pixel."""
+    """Log-likelihood S of a surface at one pixel, up to a constant."""
     z = depth_at(field, q, y, x)
     total = 0.0
     for f in range(2):
@@ -129,7 +129,7 @@ def pixel_likelihood(field, q, y, x):  # pragma: no cover - compiled
 
 @njit()
 def cell_likelihood(field, q, row, column):  # pragma: no cover - compiled
-    """S of a surface over one cell."""
+    """Log-likelihood S of a surface over one cell of `CELL` x `CELL` px, up to a constant."""
     top = row * CELL
     left = column * CELL
     box = np.array(((top, top + CELL, left, left + CELL),))
@@ -139,7 +139,7 @@ def cell_likelihood(field, q, row, column):  # pragma: no cover - compiled
 
 @njit()
 def frequency_sums(field, q, boxes):  # pragma: no cover - compiled
-    """S of both frequencies (2,) over rectangles, then E of both (2,)."""
+    """Log-likelihood S of a surface over rectangles and its expectation E, by frequency (2, 2)."""
     places = blocks_of_boxes(boxes)
     total, information = block_sums(field, region_of_boxes(boxes), q, places)
     out = np.zeros((2, 2))

@@ -1,4 +1,4 @@
-"""Where surfaces meet, and the wraps that follow from it for all of them together.
+"""Borders at which surfaces may meet, and the whole wraps that these give all surfaces jointly.
 
 Along a border two surfaces either meet, with the same depth but for whole wraps, or one hides the
 other, and their difference takes any value. What meets has offsets that differ by a known number.
@@ -53,7 +53,7 @@ class Borders(NamedTuple):
 
 
 class Placement(NamedTuple):
-    """Offsets of surfaces by themselves and by their contacts, one entry (N,) each."""
+    """Whole wraps to add to surfaces, by their own evidence and contacts, one entry (N,) each."""
 
     wraps: Numbers  # to add
     group: Numbers  # of those whose contacts hold
@@ -61,17 +61,17 @@ class Placement(NamedTuple):
 
     @property
     def odds(self) -> Array:
-        """Probability of these wraps."""
+        """Probability (N,) of each surface that its ``wraps`` are right."""
         return self.share[:, self.share.shape[1] // 2]
 
     def calibrate(self, calibration: tuple) -> "Placement":
-        """Probabilities as often right as those of these wraps were, (odds, share right)."""
+        """The placement with ``share`` scaled: ``odds`` follow a table of (odds, rate right)."""
         factor = np.interp(self.odds, *calibration) / self.odds
         return self._replace(share=self.share * factor[:, None])
 
 
 def borders(field: Field, label: Numbers, surfaces: Array) -> Borders:
-    """Odds that surfaces meet, from depths across every border between labels (H, W).
+    """Borders of 8 px and more between labels (H, W): wraps between depths, odds of a contact.
 
     Depths are those of the surfaces, and of their pixels' phases about them.
     """
@@ -91,7 +91,7 @@ def borders(field: Field, label: Numbers, surfaces: Array) -> Borders:
 
 
 def _crossings(label: Numbers) -> tuple[Numbers, Numbers]:
-    """Surfaces (2, C), the lower number first, of neighbouring pixels, and the pixels' numbers."""
+    """Neighbouring pixels of different surfaces: surfaces (2, C), lower first; pixel numbers."""
     pixels = np.arange(label.size).reshape(label.shape)
     here = np.append(pixels[:-1], pixels[:, :-1])  # above, then to the left of a border
     beyond = np.append(pixels[1:], pixels[:, 1:])
@@ -106,7 +106,7 @@ def _crossings(label: Numbers) -> tuple[Numbers, Numbers]:
 def _jumps(
     field: Field, label: Numbers, surfaces: Array, pairs: Numbers, at: Numbers
 ) -> Array:
-    """By how much the first of two surfaces lies behind at a border (C,), wraps, and its slope."""
+    """Wraps (2, C) by which the first surface is farther at borders, and change per pixel."""
     # on this side of the border and on the other
     one, other = (
         np.subtract(*(depth_of_pixels(field, surfaces, n, *place) for n in pairs))
@@ -119,14 +119,14 @@ def _jumps(
 
 
 def _departures(field: Field, label: Numbers, surfaces: Array, at: Numbers) -> Array:
-    """Mean departure (2, C), wraps, of the pixels around each of those numbered ``at``."""
+    """Mean departure (2, C), wraps, of phases about pixels ``at`` from those of their surface."""
     depth = depth_of_labels(field, label, surfaces)
     total = sums_near(at.ravel(), turn_back(field, depth)[:1], label, _NEAR)
     return np.angle(total).reshape(at.shape) / TAU
 
 
 def _evidence(step: Array, tilt: Array) -> tuple:
-    """Whole wraps of most steps along a border, shares that are close, log length, and slope."""
+    """Commonest whole wraps along a border, shares of it near them, log length, median slope."""
     whole = np.unique(np.rint(step))
     off = np.abs(step[:, None] - whole)
     wide = np.mean(off < _WIDE, axis=0)
@@ -203,7 +203,7 @@ def _values_at(share: Array, place: Numbers) -> Array:
 def _propagate(
     alone: Array, source: Numbers, target: Numbers, place: Numbers, odds: Array
 ) -> Array:
-    """Log-probabilities (N, M) after messages from sources to targets (2 B,), both ways in turn.
+    """Log-probabilities (N, M) after messages from sources to targets (2 B,): B there, B back.
 
     An offset of the target is at a ``place`` (2 B, M) of the source's, from 0 on. The odds of a
     border count less where the own offsets of its surfaces contradict the step: times the
@@ -228,14 +228,14 @@ def _propagate(
 
 
 def groups_of_surfaces(wraps: Numbers, borders: Borders) -> Numbers:
-    """Group (N,) of surfaces joined by borders that hold."""
+    """Group (N,) of each surface: borders join surfaces whose wraps differ by their step."""
     first, second, step, _ = borders
     holds = wraps[first] + step == wraps[second]
     return groups(first[holds], second[holds], wraps.size)
 
 
 def components(placement: Placement, label: Numbers) -> Components:
-    """Components of surfaces that meet, of pixels labelled (H, W) by surface, -1 for none."""
+    """`Components` of an image: groups of joined surfaces, by labels (H, W), -1 for none."""
     group = placement.group
     count = group.size
     pixels = np.bincount(label[label >= 0], minlength=count)

@@ -30,7 +30,7 @@ _CLEARLY = 4.0
 
 
 class Field(NamedTuple):
-    """Weighted phasors on a grid of whole cells; padding and unknown pixels weigh nothing."""
+    """Weighted phasors, padded to whole cells of 8 px; padding and unknown pixels weigh nothing."""
 
     phasor: Complex  # P at both frequencies (2, H, W)
     information: Array  # K (2, H, W): one over the variance of each phase, 1 / rad^2
@@ -44,7 +44,7 @@ class Field(NamedTuple):
 
     @property
     def side(self) -> int:
-        """Side, px, of the smallest unit whose misfit is significant alone: 1 if most are clear."""
+        """Side, px, of squares to sum over: 1 if most pixels have clear phases, else `CELL`."""
         information = self.information.sum(axis=0)
         clear = information > ENOUGH
         return 1 if clear.sum() > (information > 0).sum() / 2 else CELL
@@ -66,7 +66,7 @@ class Field(NamedTuple):
 
 
 def field_from_measurement(measurement: Measurement) -> Field:
-    """Weighted phasors of a measurement; masked pixels count, for they were measured as well."""
+    """Weighted phasors of a measurement; masked pixels count where they keep their samples."""
     height, width = measurement.shape
     rows, columns = (
         max(-(-size // CELL) * CELL, _SMALLEST) for size in measurement.shape
@@ -94,7 +94,7 @@ def field_from_measurement(measurement: Measurement) -> Field:
 
 
 def _weighted_phasors(measurement: Measurement) -> tuple[Complex, Array]:
-    """P and K, (2, H, W) each."""
+    """Weighted phasors P and information K, 1 / rad^2, of a measurement, (2, H, W) each."""
     spread = seen_noise(measurement)
     known = np.isfinite(spread).all(axis=0)
     ratio = np.where(known, 1 / np.maximum(spread, _SHARPEST), 0)
@@ -109,7 +109,7 @@ def _weighted_phasors(measurement: Measurement) -> tuple[Complex, Array]:
 
 
 def _smooth_power(power: Array, known: Flags) -> Array:
-    """a^2 / s^2 (2, H, W) from |p|^2 / s^2 (2, H, W): one image, times the share of each tone.
+    """Signal over noise a^2 / s^2 (2, H, W), by pixels' |p|^2 / s^2: one image, scaled by tone.
 
     The mean over the smallest square that shows a signal: |p|^2 / s^2 without one is chi-squared
     with two degrees of freedom, so that the mean of both tones over N pixels has the deviation

@@ -32,7 +32,7 @@ FLAT = 5e-5  # a surface counts as bent if a plane misses it by more, m (rms), a
 
 
 class Fit(NamedTuple):
-    """A surface, its likelihood, and what would make it larger."""
+    """A surface, its log-likelihood, and the step and offset, wraps, that would raise it."""
 
     q: Array
     likelihood: float  # S
@@ -61,7 +61,7 @@ def _moments(field, region, q):  # pragma: no cover - compiled
 
 @inlined
 def _sums_of_offset(total, known, turns):  # pragma: no cover - compiled
-    """Sums S, E, b, c (4,) over the phasors of blocks (2, N) and their E (2, N)."""
+    """Sums (4,) over blocks: S, E, slope and curvature in wraps, from phasors and E (2, N)."""
     sums = np.zeros(4)
     for n in range(total.shape[1]):
         for f in range(2):
@@ -95,7 +95,7 @@ def _sums_along(vectors, weight):  # pragma: no cover - compiled
 
 @njit()
 def move_surface(field, q, boxes, size, distance, tilt=UPRIGHT):  # pragma: no cover
-    """Fit of a surface to this one moved by m and by wraps per pixel; its misfit, m (rms)."""
+    """Surface fitted to ``q`` moved by ``distance``, m, and ``tilt``, wraps/px; misfit, m (rms)."""
     places = blocks_of_boxes(boxes[:: max(1, len(boxes) // 100)])
     functions = functions_of_blocks(field, places)
     turned = tilt[0] * _from_middle(places[:, 0])
@@ -117,7 +117,7 @@ def _from_middle(first):  # pragma: no cover - compiled
 
 @njit()
 def evaluate_fit(field, region, q, size):  # pragma: no cover - compiled
-    """Likelihood of a surface, and the step of its first parameters that raises it.
+    """`Fit` of a surface: its likelihood, the step of its first ``size`` parameters, its offset.
 
     After m wraps and a change dq the phases fit as ``sum K (e + m t - k J dq)^2``; with the best
     dq a parabola in m is left, ``known (m - offset)^2``.
@@ -145,7 +145,7 @@ def change_by_a_wrap(field, region, q, weight):  # pragma: no cover - compiled
 
 @njit()
 def climb(field, region, q, size, steps):  # pragma: no cover - compiled
-    """Climb by Gauss-Newton steps, as long as S grows by 0.01."""
+    """`Fit` after Gauss-Newton steps, ``steps`` at most, each of which raises S by over 0.01."""
     best = evaluate_fit(field, region, q, size)
     for _ in range(steps):
         there = evaluate_fit(field, region, best.q + best.step, size)
@@ -157,7 +157,7 @@ def climb(field, region, q, size, steps):  # pragma: no cover - compiled
 
 @njit()
 def refine(field, region, q, size, steps):  # pragma: no cover - compiled
-    """Climb, then hop by whole wraps."""
+    """`Fit` after `climb`, then after hops by whole wraps, each with a climb, while S rises."""
     best = climb(field, region, q, size, steps)
     for _ in range(5):
         whole = min(max(np.rint(best.offset), -HOPS), HOPS)
@@ -174,7 +174,7 @@ def refine(field, region, q, size, steps):  # pragma: no cover - compiled
 
 @inlined
 def _straighten(field, region, bent, plane, steps):  # pragma: no cover - compiled
-    """The likelier of this plane and those that look bent, their slopes off by a turn per pixel."""
+    """Likeliest of ``plane`` and two planes next to ``bent`` tilted by whole wraps per pixel."""
     near = np.empty(9)
     planes = np.empty((9, BENT))
     few = region.boxes[:: max(1, len(region.boxes) // 25)].copy()
@@ -193,7 +193,7 @@ def _straighten(field, region, bent, plane, steps):  # pragma: no cover - compil
 
 @inlined
 def stiffness(field, most):  # pragma: no cover - compiled
-    """Sum of K k^2 over pixels of both frequencies of E, 1 / m^2."""
+    """Sum of K k^2, 1 / m^2, over pixels whose K sum to ``most``, half at each frequency."""
     k = field.wavenumber
     return most * (k[0] ** 2 + k[1] ** 2) / 2
 
@@ -202,10 +202,10 @@ def stiffness(field, most):  # pragma: no cover - compiled
 def fit_plane_or_bent(
     field, region, q, steps, gain, weight
 ):  # pragma: no cover - compiled
-    """Plane, or a bent surface where that fits much better: by ``gain`` and by `FLAT`.
+    """Fit of a plane, or of a bent surface if far likelier; how far a plane misses, m (rms).
 
-    And by how much, m (rms), a plane misses. ``weight`` is the number of pixels that stand for each
-    that is looked at.
+    Far likelier is by ``gain`` in S and by `FLAT`. Each pixel that is looked at stands for
+    ``weight`` pixels.
     """
     was_bent = q[3:].any()
     before = refine(field, region, q, BENT if was_bent else PLANE, steps)
@@ -227,7 +227,7 @@ def fit_plane_or_bent(
 
 @njit()
 def boxes_of_cells(cells, columns, most):  # pragma: no cover - compiled
-    """Rectangles of at most so many cells, spread over the list; cells that each stands for."""
+    """Rectangles (B, 4) of cells picked evenly, under 2 ``most``; cells that each stands for."""
     chosen = cells[:: max(1, cells.size // most)]
     y = chosen // columns * CELL
     x = chosen % columns * CELL
@@ -236,7 +236,7 @@ def boxes_of_cells(cells, columns, most):  # pragma: no cover - compiled
 
 @njit()
 def _fit_all(field, label, cells, starts, surfaces, effort, gain):  # pragma: no cover
-    """Fit as `fit_surfaces` says, in place; cells sorted by surface, and where each starts."""
+    """Surfaces, fitted in place, and fits (N, 16), by cells sorted by surface and their starts."""
     steps, most = effort
     fit = np.zeros((len(surfaces), 16))
     for n in range(len(surfaces)):
@@ -266,7 +266,7 @@ def _fit_one(field, region, q, steps, gain, weight):  # pragma: no cover - compi
 def fit_surfaces(
     field: Field, label: Numbers, surfaces: Array, effort: tuple, gain: float
 ) -> tuple:
-    """Fit every surface (N, 7) to its pixels, with so many steps, on so many cells at most.
+    """Surfaces (N, 7) fitted to their pixels, by ``effort``: steps, and about how many cells each.
 
     And the fit (N, 16): offset that is lacking, wraps; its inverse variance; what a plane misses,
     m (rms); by how much a wrap bends a plane, m; for planes `change_by_a_wrap`.

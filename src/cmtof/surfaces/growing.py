@@ -1,4 +1,4 @@
-"""Planes begin in windows and grow from cell to cell; every cell takes the likeliest beside it."""
+"""Planes begin in windows and grow over cells of 8 px, which then take the likeliest one nearby."""
 
 from typing import NamedTuple
 
@@ -41,7 +41,7 @@ class Grid(NamedTuple):
 
 
 class Seed(NamedTuple):
-    """What a surface begins with in a window, and the limits of its growth."""
+    """A plane as it begins in a window, its roughness, and how rough it may become in growing."""
 
     q: Array
     rough: float  # variance, rad^2, of the depths about it; negative if it is none
@@ -95,7 +95,7 @@ def _grow(field, grid, start, gain, roughest, count):  # pragma: no cover - comp
 
 @inlined
 def _seed_in_window(field, grid, window, roughest):  # pragma: no cover - compiled
-    """A surface in a window, if enough of this is free, and enough of it explained."""
+    """`Seed` in a window; ``rough`` is -1 where too little is free or the plane fits too badly."""
     rows, columns = _cells_of_window(window)
     information = grid.information[:, rows, columns].sum()
     free = (grid.owner[rows, columns] < 0).sum()
@@ -142,7 +142,7 @@ def _first_cells(field, grid, seed, window, mark):  # pragma: no cover - compile
 def _grow_from_cells(
     field, grid, seed, cells, mark, gain
 ):  # pragma: no cover - compiled
-    """Fit a surface and let it grow, until it does not; its parameters, roughness, and cells."""
+    """Fit and grow a surface until no cell joins; return its parameters, roughness and cells."""
     q = seed.q
     rough = seed.rough
     before = 0
@@ -169,7 +169,7 @@ def _explains(field, grid, q, rough, y, x):  # pragma: no cover - compiled
 
 @inlined
 def _expected_likelihood(rough, information, y, x):  # pragma: no cover - compiled
-    """S that a surface of this roughness has in a cell on average."""
+    """Mean log-likelihood S in a cell of a surface of this roughness, a variance in rad^2."""
     return (
         np.exp(-rough / 2) * information[0, y, x]
         + np.exp(-2 * rough) * information[1, y, x]
@@ -184,7 +184,7 @@ def _scatter(sums):  # pragma: no cover - compiled
 
 @inlined
 def _roughness(field, q, window, roughest):  # pragma: no cover - compiled
-    """Roughness of a window if both frequencies agree on it, else negative.
+    """Variance, rad^2, of depths about a window's plane; -1 if unsure or not below ``roughest``.
 
     A Gaussian of variance r costs one frequency exp(-r / 2), twice that frequency exp(-2 r).
     """
@@ -202,7 +202,7 @@ def _roughness(field, q, window, roughest):  # pragma: no cover - compiled
 def _add_cells_beside(
     field, grid, q, rough, cells, mark
 ):  # pragma: no cover - compiled
-    """Add free cells beside these that the surface explains, until they have doubled."""
+    """Cells plus free neighbours that the surface explains, until doubled, by 8 at the least."""
     size = cells.size
     goal = max(2 * size, size + 8)
     found = np.empty(goal + len(_BESIDE), np.int64)
@@ -235,7 +235,7 @@ def neighbours(cells, y, x):  # pragma: no cover - compiled
 
 @njit()
 def _reassign_cells(field, owner, surfaces, information):  # pragma: no cover - compiled
-    """Give each cell the likeliest of the surfaces about it, or none."""
+    """Owner (h, w) of each cell: the likeliest of the surfaces about it, -1 if that fits badly."""
     out = owner.copy()
     for y, x in np.ndindex(owner.shape):
         found = owners_around(owner, y, x)

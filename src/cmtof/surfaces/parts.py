@@ -28,7 +28,7 @@ _CUTS = 3  # rounds of cutting
 def cut_surfaces(
     field: Field, inner: Numbers, surfaces: Array, gain: float
 ) -> tuple[Numbers, Array]:
-    """Surface of most pixels in each cell, and surfaces (N, 7), those cut whose beat steps.
+    """Surface at the middle of each cell (h, w), and all surfaces (N, 7), new parts last.
 
     Two planes at whole wraps of distance have the same phases and grow as one. They are parted if
     that gains more log-likelihood than `_CUT`, and than `_EDGE` for each cell along the border.
@@ -54,7 +54,7 @@ def cut_surfaces(
 def _part_pieces(
     field: Field, cells: Cells, surfaces: Array, gain: float
 ) -> tuple[Numbers, Array]:
-    """Surface of each cell (h, w), and surfaces (N, 7), those added that gain by a fit alone."""
+    """Surface of each cell (h, w), and surfaces (N, 7), with pieces added that fit better alone."""
     number, parent = _pieces(cells.main)
     label = np.where(cells.label >= 0, pixels_of_cells(number), -1)
     found, _ = fit_surfaces(field, label, surfaces[parent], EFFORT, gain)
@@ -87,7 +87,7 @@ def _pieces(main: Numbers) -> tuple[Numbers, Numbers]:
 def _halves(
     main: Numbers, lag: Array, weight: Array, count: int
 ) -> tuple[Flags, Array, Array, Array]:
-    """Cells (h, w) of each surface that lie ahead, by how much, and the gain in log-likelihood.
+    """Halves of surfaces by their beats: cells (h, w) ahead, wraps apart, log-likelihood gained.
 
     The last two (N + 1,) are also those of cells without a surface, and so are the sizes of both
     halves (2, N + 1), cells.
@@ -108,7 +108,7 @@ def _halves(
 
 
 def _borders_of_halves(main: Numbers, ahead: Flags, count: int) -> Array:
-    """Length (N + 1,), cells, of the border of what lies ahead within each surface."""
+    """Length (N + 1,), cells, of the border between both halves of each surface."""
     border = np.zeros(count + 1)
     for axis in (0, 1):
         here = np.delete(main, 0, axis)

@@ -1,4 +1,4 @@
-"""From surfaces to depths: which one each pixel lies on, and how many whole wraps it is off.
+"""From surfaces to depths: the surface of each pixel, and how many wraps each surface is off.
 
 The beat says it (`cmtof.surfaces.beats`), and so does the shape: a plane moved along the rays is
 bent, the more so the wider it is.
@@ -52,7 +52,7 @@ class Offsets(NamedTuple):
 def pixel_labels(
     field: Field, owner: Numbers, surfaces: Array
 ) -> tuple[Numbers, Array, Numbers]:
-    """Likeliest surface (H, W), -1 for none, of a square about each pixel, and its share S / E.
+    """Likeliest surface (H, W), -1 for none, by a square about each pixel; S over that expected.
 
     And the `interiors` of the surfaces.
     """
@@ -73,7 +73,7 @@ def pixel_labels(
 
 
 def interiors(label: Numbers, share: Array) -> Numbers:
-    """The labels without the borders of surfaces, unless little else would be left of one."""
+    """Labels (H, W), with -1 near borders and where unsure; thin surfaces keep all their pixels."""
     side = 2 * _INSIDE + 1
     inner = (minimum_filter(label, side) == maximum_filter(label, side)) & (
         share > _CERTAIN
@@ -87,7 +87,7 @@ def interiors(label: Numbers, share: Array) -> Numbers:
 
 @njit()
 def _label(field, owner, surfaces, label, best):  # pragma: no cover - compiled
-    """Sum S of every surface about a cell over squares about its pixels; keep the largest."""
+    """Write each pixel's likeliest nearby surface to ``label``, its S by a square to ``best``."""
     side = 2 * RADIUS + 1
     for row, column in np.ndindex(owner.shape):
         for n in owners_around(owner, row, column):
@@ -103,7 +103,7 @@ def _label(field, owner, surfaces, label, best):  # pragma: no cover - compiled
 
 @njit()
 def _near_cell(field, q, row, column):  # pragma: no cover - compiled
-    """S of a surface at each pixel of a cell and of a margin about it."""
+    """Log-likelihood S of a surface at each pixel of a cell and of `RADIUS` px about it."""
     height, width = field.cosine.shape
     side = CELL + 2 * RADIUS
     top = row * CELL - RADIUS
@@ -118,7 +118,7 @@ def _near_cell(field, q, row, column):  # pragma: no cover - compiled
 def offsets(
     beats: Beats, surfaces: Array, fit: Array, *, shape=True, closed=False
 ) -> Offsets:
-    """Offset of each surface, from its shape as far as a plane misses it little, and its beat.
+    """Offset of each surface, from its beat and, as far as it is clearly a plane, its shape.
 
     An offset between the frequencies moves all beats and no shape. It is the mean excess of beats
     over shapes of planes, with Student's weights, and zero if ``closed`` or not significant.
@@ -177,7 +177,7 @@ class Planes(NamedTuple):
 
 
 def _planes(surfaces: Array, fit: Array) -> Planes:
-    """Normals of surfaces (N, 7) by their fit (N, 16)."""
+    """Normals of surfaces (N, 7), and how a wrap turns those of planes, by fits (N, 16)."""
     q = surfaces[:, :3]
     length = np.linalg.norm(q, axis=1, keepdims=True)
     normal = q / length
@@ -189,7 +189,7 @@ def _planes(surfaces: Array, fit: Array) -> Planes:
 
 
 def use_axes(found: Offsets, surfaces: Array, fit: Array, label: Numbers) -> Offsets:
-    """Offsets of planes, made sharper where these stand upright to the axes of a room.
+    """Offsets, made sharper for planes that stand at right angles to an axis of the room.
 
     Moved by m wraps, a plane of normal n turns to n + m dn: a right angle to an axis a gives m.
     """
@@ -208,7 +208,7 @@ def use_axes(found: Offsets, surfaces: Array, fit: Array, label: Numbers) -> Off
 
 
 def _axes(normal: Array, width: Array, clear: Flags, size: Numbers) -> list[Array]:
-    """Axes of a room from normals, their deviations, rad, whether these are clear, and sizes, px.
+    """Three axes of a room, or none, from normals, deviations, rad, flags of clear ones, sizes, px.
 
     The first is the normal to which most are parallel or upright, the second upright to it.
     """

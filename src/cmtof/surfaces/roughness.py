@@ -24,7 +24,7 @@ _TURNS = 3  # steps towards the likeliest departure of a pixel
 
 
 class Cells(NamedTuple):
-    """Phasors turned back by surfaces, of pixels and of cells."""
+    """Phasors turned back by the phase of their surface, of pixels and summed over cells."""
 
     main: Numbers  # surface in the middle of each cell (h, w)
     label: Numbers  # (H, W), of the pixels of this surface, -1 for others
@@ -56,7 +56,7 @@ def cells_of_surfaces(
 
 
 def _middles(labels: Numbers, side: int) -> Numbers:
-    """Label in the middle of each cell (h, w): of the four pixels there, as in a mirror."""
+    """Label (h, w) of each cell: the largest of its middle four pixels, so that mirrors agree."""
     middle = slice((side - 1) // 2, side // 2 + 1)
     four = _blocks(labels, side)[:, middle, :, middle]
     return four.max(axis=(1, 3)).astype(int)
@@ -72,7 +72,7 @@ def _blocks(images: NDArray, side: int) -> NDArray:
 
 @njit()
 def turn_back(field, depth):  # pragma: no cover - compiled
-    """Phasors (2, H, W) turned back by a depth (H, W), m."""
+    """Phasors (2, H, W) turned back by the phase of a depth z (H, W), m: ``P exp(-i k z)``."""
     out = np.empty(field.phasor.shape, np.complex128)
     for f in range(2):
         turns = field.wavenumber[f] / TAU
@@ -105,7 +105,7 @@ def roughness(owner: Numbers, sums: Array, information: Array, count: int) -> Ar
 def pooled_phasors(
     main: Numbers, phasors: Array, information: Array, count: int
 ) -> Arrays:
-    """Sums (2, N) of phasors over the cells of each surface, and their E."""
+    """Sums (2, N) over the cells of each surface, of phasors and of their information E."""
     both = np.array([phasors, information])
     total, most = sum_surfaces(main, both, count)[..., :count]
     return total, np.maximum(most.real, 1e-9)
@@ -148,6 +148,6 @@ def _box_about(chosen: Flags) -> tuple[slice, ...]:
 
 
 def turn_both_back(field: Field, phasors: Array, departure: Array) -> Array:
-    """Phasors (2, ...) turned back by a phase (...), rad at the lower frequency, of both alike."""
+    """Phasors (2, ...) turned back by a phase (...), rad, the higher by the multiple of it."""
     low = np.exp(-1j * departure)
     return phasors * [low, low**field.multiple]

@@ -48,7 +48,7 @@ def depth_of_pixels(field, surfaces, which, y, x):  # pragma: no cover - compile
 
 @inlined
 def is_possible(field, q, boxes):  # pragma: no cover - compiled
-    """Whether a surface lies before the camera and not far beyond the limits."""
+    """Whether the depth at a corner of the first box is 0.02 to 2 times the farthest in range."""
     z = depth_at(field, q, boxes[0, 0], boxes[0, 2])
     farthest = field.limits[1]
     return 0.02 * farthest < z < 2 * farthest

@@ -33,7 +33,7 @@ _FARTHEST = 8  # wraps from a pixel's own beat up to which neighbours may outvot
 
 
 class Ballot(NamedTuple):
-    """Evidence of pixels about each other, (H, W) each; wraps of the lower frequency."""
+    """Phases, depths and slopes by which pixels vote, (H, W) each, in lower-frequency wraps."""
 
     asked: Flags  # whether a pixel is voted on, and votes
     low: Array  # phase, turns
@@ -57,7 +57,7 @@ def slopes_of_surfaces(depth: Array, label: Numbers) -> Array:
 def depth_by_votes(
     field: Field, depth: Array, slopes: Array, explained: Flags, closure: float
 ) -> Arrays:
-    """Depth (H, W), m, where clear pixels that no surface explains take a vote, and its share.
+    """Depth (H, W), m, after votes on clear pixels that no surface explains, and winners' shares.
 
     A neighbour costs its distance, along the ``slopes`` of its surface, and its beat's misfit,
     squared over their variances, up to a cap, or where ``explained`` by a surface of that
@@ -110,7 +110,7 @@ def _winning_depth(ballot, ratio, far, limits):  # pragma: no cover - compiled
 
 @njit()
 def _support(ballot, ratio, y, x, z):  # pragma: no cover - compiled
-    """Votes of the neighbours of a pixel for a depth, wraps."""
+    """Sum of the weighted votes of a pixel and its neighbours for a depth, wraps."""
     height, width = ballot.low.shape
     total = 0.0
     for v in range(max(0, y - _RADIUS), min(height, y + _RADIUS + 1)):

@@ -63,7 +63,7 @@ def _clearest(field: Field, owner: Numbers, side: int, stride: int) -> Numbers:
 
 
 def _are_free(owner: Numbers, corner: Numbers, side: int) -> Flags:
-    """Whether windows (N,), by their top and left (2, N), lie on cells without an owner."""
+    """Whether windows (N,), by their top and left (2, N), lie mostly on cells without an owner."""
     cells = side // CELL
     free = _sums((owner < 0).astype(float), corner // CELL, cells)
     return free >= FREE * cells**2
@@ -107,7 +107,7 @@ def _peaks(squares: Array, size: int, ratio: float) -> Array:
 
 @njit()
 def plane_in_window(field, window, information):  # pragma: no cover - compiled
-    """The likeliest plane of a window, out of all aliases of its slope, and its S."""
+    """Likeliest plane (6,) of a window, by the likeliest aliases of its slope; S, -1 if none."""
     beats, phase = _beats(field, window, information)
     size = np.abs(beats)
     best = -1.0
@@ -131,7 +131,7 @@ def plane_in_window(field, window, information):  # pragma: no cover - compiled
 
 @inlined
 def _depth_of_beat(field, beat, phase):  # pragma: no cover - compiled
-    """Depth, m, with that phase nearest to that of a beat, both rad, within the limits."""
+    """Depth, m, by a lower-frequency phase, nearest to that of a beat in range; both in rad."""
     low, high = field.wavenumber
     period = field.period
     nearest, farthest = field.limits
@@ -148,7 +148,7 @@ def _depth_of_beat(field, beat, phase):  # pragma: no cover - compiled
 
 @inlined
 def _beats(field, window, information):  # pragma: no cover - compiled
-    """Beat summed over the blocks for each alias (A, A), and the lower phase at the centre."""
+    """Beat of a window, summed over blocks for each alias (A, A) of its slope; lower phase, rad."""
     side = window[2]
     count = 8 if side >= 32 and information > 4 * _LEAST else 4
     sums = _blocks(field, window, count)
@@ -167,7 +167,7 @@ def _beats(field, window, information):  # pragma: no cover - compiled
 
 @inlined
 def _sums_of_aliases(beats, excess, side):  # pragma: no cover - compiled
-    """Sum of the beats of blocks for each alias (A, A): turned back by its whole turns."""
+    """Sums (A, A) of blocks' beats, turned back by the whole turns per pixel of each alias."""
     aliases = np.arange(-_ALIASES, _ALIASES + 1)
     out = np.empty((aliases.size, aliases.size), np.complex128)
     count = len(beats)
@@ -227,9 +227,9 @@ def _plane(field, window, z, down, right):  # pragma: no cover - compiled
 
 @inlined
 def _climb_outwards(field, q, window):  # pragma: no cover - compiled
-    """Fit a plane to the middle of a window first, then on outwards, for steep phases bend.
+    """Fit of a plane from a window's middle outwards, and whether it reached the whole window.
 
-    And whether it got there.
+    It begins small, for steep phases bend.
     """
     top, left, side, _, _ = window
     core = 2 * SIDE
