@@ -8,6 +8,7 @@ import numpy as np
 from vectors import unit
 
 SHAPE = (24, 32)
+# Cameras of the scenes; that of the second is the official row of ai_037_002.
 CAMERAS = """\
 scene_name,settings_output_img_height,use_camera_physical,\
 M_cam_from_uv_00,M_cam_from_uv_01,M_cam_from_uv_02,\
@@ -18,7 +19,7 @@ ai_001_002,24.0,False,0.579607251426182,0.0,-0.06955286861651404,\
 0.0,0.4346865334657201,0.09273312506660672,0.0,0.004054126980668954,-1.003909173803896
 ai_002_001,24.0,False,0.5773502886169104,0.0,0.0,0.0,0.4330127164626828,0.0,0.0,0.0,-1.0
 """
-"""Cameras of the scenes; that of the second is the official row of ai_037_002."""
+# Partitions of the views, of which the last was withdrawn.
 SPLIT = """\
 scene_name,camera_name,frame_id,included_in_public_release,exclude_reason,split_partition_name
 ai_001_001,cam_00,0,True,,train
@@ -32,7 +33,6 @@ ai_002_001,cam_00,42,True,,test
 ai_002_001,cam_01,3,True,,test
 ai_002_001,cam_00,7,False,CONTENT FLAGGED FOR REMOVAL,
 """
-"""Partitions of the views, of which the last was withdrawn."""
 PROJECTIONS = {
     scene: np.reshape(matrix, (3, 3)).astype(float)
     for scene, _, _, *matrix in csv.reader(CAMERAS.splitlines()[1:])

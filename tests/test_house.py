@@ -13,12 +13,12 @@ from pytest import fixture, mark
 
 from cmtof_book import ROOT
 
+# Packages from the roof to the ground: none knows a higher one.
 PACKAGES = [
     "cmtof_book",
     grimp.Layer("cmtof_rooms", "cmtof_lab", independent=False),
     "cmtof",
 ]
-"""Packages from the roof to the ground: none knows a higher one."""
 
 # floors of `cmtof`, from the roof to the ground; rooms of one floor do not see each other
 FLOORS = [

@@ -92,7 +92,7 @@ def test_seams_are_no_worse_than_the_inside():
         pixels = scored_pixels(result, measurement)
         places = np.argwhere(measurement.mask & np.isfinite(measurement.depth))
         wrong.extend(pixels["consistent"] != pixels["true_consistent"])
-        near.extend(np.minimum(places, tile - 1 - places).min(axis=1) < 16)
+        near.extend(np.minimum(places, tile - 1 - places).min(1) < 16)
     wrong = np.array(wrong)
     near = np.array(near)
     assert wrong[near].mean() < wrong[~near].mean() + 0.02

@@ -111,7 +111,7 @@ def test_spectrum_of_white_noise_is_flat_and_its_mean_is_the_mean_square(rng):
     held = power_spectrum(np.where(part(), values, np.nan), part())
     assert held.mean() == approx(np.mean(values[part()] ** 2))
     # each is the mean of 96 exponential laws: chi-squared, 99.9 % for all 39 at once
-    along = power_spectrum(values, np.ones(SHAPE, bool)).mean(axis=0)[1:40]
+    along = power_spectrum(values, np.ones(SHAPE, bool)).mean(0)[1:40]
     low, high = 0.13**2 * interval(2 * SHAPE[0], 1e-3 / 39)
     assert low < along.min()
     assert along.max() < high

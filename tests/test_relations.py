@@ -28,10 +28,10 @@ FAST = [
     "surfaces",
 ]
 EDGE = 6  # px of junk around an image
+# Share of wraps that stay under a change which a method knows of: a network was trained on images
+# that stand upright, in the counts of the simulation; windows end otherwise where junk begins, and
+# surfaces grow from cells that begin elsewhere.
 LEAST = {"fast-scnn-light": 0.75, "surfaces": 0.8, "beat": 0.85}
-"""Share of wraps that stay under a change which a method knows of: a network was trained on images
-that stand upright, in the counts of the simulation; windows end otherwise where junk begins,
-and surfaces grow from cells that begin elsewhere."""
 
 
 @fixture(scope="module")

@@ -16,6 +16,7 @@ from cmtof.terminal import EXTRAS
 from cmtof_book import ROOT
 
 PROJECT = tomllib.loads((ROOT / "pyproject.toml").read_text("utf-8"))["project"]
+# Extras that the modules of a folder may import from, beside the package's own dependencies.
 PACKAGES = {
     "src/cmtof": ["hardware", "train"],
     "src/cmtof_rooms": ["rooms"],
@@ -23,9 +24,8 @@ PACKAGES = {
     "src/cmtof_book": ["book", "plot", "train", "view"],
     "notebooks": ["notebooks", "train"],
 }
-"""Extras that the modules of a folder may import from, beside the package's own dependencies."""
+# Requirements that are found by their name and never imported.
 BACKENDS = {"pyusb", "pyvisa-py"}
-"""Requirements that are found by their name and never imported."""
 DISTRIBUTIONS = packages_distributions()
 # the package that a line imports, or imports from
 IMPORT = r"(?m)^ *(?:import|from(?=.* import)) (\w+)"

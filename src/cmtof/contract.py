@@ -219,7 +219,7 @@ def _mask_samples(samples: Array, valid: Flags, simulated: bool) -> Array:
     with np.errstate(invalid="ignore"):
         lost = np.abs(samples) >= _NOT_WRITTEN
         unknown = ~valid
-        if simulated and not np.all(valid):
+        if simulated:
             largest = np.abs(samples).max(axis=tuple(range(samples.ndim - 2)))
             known = valid & (largest < _NOT_WRITTEN)
             unknown = unknown & ~(largest <= 2 * largest[known].max(initial=0))

@@ -39,10 +39,9 @@ def unwrap(
     """Wrap count, depth and confidence of a measurement, by a method out of `METHODS`.
 
     ``range`` holds the depths to choose from, ``min <= z < max``, m, by default the measurement's
-    own; pixels below ``min_confidence`` are masked; with a measurement of a ``covered`` beam stray
-    light is taken away before, as by `Measurement.without_stray_light`; ``options`` are the
-    method's, for instance ``window=81`` of ``beat``. ValueError for an unknown method, a bad range
-    or confidence, or a measurement that the method, or the covered beam, does not suit.
+    own; pixels below ``min_confidence`` are masked; a measurement of a ``covered`` beam is that of
+    `Measurement.without_stray_light`; ``options`` are the method's, as ``window=81`` of ``beat``.
+    ValueError for an unknown method, bad values, or a measurement that the method does not suit.
 
     On (y, x) the result has ``wrap_count``, the estimate of ``floor(phi / 2 pi)`` at the lowest
     frequency, -1 where masked; ``depth``, m, of the measured phase with the
@@ -84,7 +83,10 @@ def unwrap(
     images = _result_variables(estimate, measurement, min_confidence)
     if chosen.sets:
         images |= _interval_variables(images, estimate.components, measurement)
-    return Dataset(images, attrs=attributes)
+    result = Dataset(images, attrs=attributes)
+    for variable in result.variables.values():
+        variable.attrs.setdefault("units", "1")
+    return result
 
 
 def _interval_variables(

@@ -10,22 +10,22 @@ from scipy.ndimage import distance_transform_edt
 from cmtof.types import Array, Flags, Numbers
 from cmtof_rooms.engine import sphere_of_directions
 
+# Directions in which light is asked for from each place.
 RAYS = 64
-"""Directions in which light is asked for from each place."""
 
+# Radiance (N, 3) along rays from (N, 3) in directions (N, 3), and which meet a surface's back.
 Look = Callable[[Array, Array], tuple[Array, Flags]]
-"""Radiance (N, 3) along rays from (N, 3) in directions (N, 3), and which meet a surface's back."""
 
 
 class Bounce(NamedTuple):
     """Irradiance at places of a grid, on faces towards +x, -x, +y, -y, +z, -z."""
 
+    # Lowest corner of the grid (3,), m.
     low: Array
-    """Lowest corner of the grid (3,), m."""
+    # Highest corner (3,), m.
     high: Array
-    """Highest corner (3,), m."""
+    # Irradiance (X, Y, Z, 6, 3): places of the grid, faces, colours.
     light: Array
-    """Irradiance (X, Y, Z, 6, 3): places of the grid, faces, colours."""
 
     def irradiance(self, position: Array, normal: Array) -> Array:
         """Irradiance (N, 3) of surface points, interpolated between the places of the grid.

@@ -49,6 +49,6 @@ def test_the_still_shows_the_surface():
     still = views.still(LAYER, **VIEW)
     if still is None:
         skip("no OpenGL here (Debian: apt-get install libegl1 libgl1)")
-    drawn = (still < 0.97).any(axis=-1)
+    drawn = (still < 0.97).any(-1)
     assert drawn.mean() > 0.3
     assert np.ptp(still[drawn], axis=0).min() > 0.2  # shaded, not one colour

@@ -34,14 +34,14 @@ def test_one_row_is_the_best_chain(rng, shape, labels):
     chains = np.array([*product(range(labels), repeat=6)])
     told = np.rint(np.diff(field.phase.ravel()) / TAU)
     steps = np.abs(np.diff(chains) + told)
-    cost = np.minimum(mrf.JUMP * steps, mrf.MOST).sum(axis=1)
+    cost = np.minimum(mrf.JUMP * steps, mrf.MOST).sum(1)
     cost += [field.unary(one.reshape(shape)).sum() for one in chains]
     found, odds = mrf.semi_global_labels(field)
     least = [
         [cost[pixel == label].min() for label in range(labels)] for pixel in chains.T
     ]
     assert found.ravel().tolist() == np.argmin(least, axis=1).tolist()
-    share = softmax(np.divide(least, -mrf._TEMPERATURE), axis=1).max(axis=1)
+    share = softmax(np.divide(least, -mrf._TEMPERATURE), axis=1).max(1)
     assert odds.ravel() == approx(share, rel=1e-3)
 
 

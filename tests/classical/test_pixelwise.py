@@ -31,7 +31,7 @@ def test_search_is_that_over_all_wraps(rng, pair):
     low, high = m.phase / TAU
     misfit = high - pair[1] / pair[0] * np.add.outer(wraps, low)
     misfit -= np.rint(misfit)
-    assert_allclose(np.abs(residual), TAU * np.abs(misfit).min(axis=0), atol=6e-9)
+    assert_allclose(abs(residual), TAU * abs(misfit).min(0), atol=6e-9)
     assert np.isin(found, wraps).all()
 
 
@@ -80,7 +80,7 @@ def test_look_up_is_exact_over_fifteen_metres_and_no_entry_is_nearer(exact, rng)
         [match(phase, amplitude, np.full(m.shape, z), CLOSE) for z in entries]
     )
     ours = match(phase, amplitude, phasor(m).depth, CLOSE)
-    assert (ours >= table.max(axis=0) - 1e-7 * amplitude.sum(axis=0)).all()
+    assert (ours >= table.max(0) - 1e-7 * amplitude.sum(0)).all()
 
 
 @mark.parametrize("pair", [FREQUENCIES, (7.16e9, 14.30e9)])

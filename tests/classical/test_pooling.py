@@ -69,11 +69,11 @@ def test_densities_equal_the_sum_as_it_is_written(rng, kernel, radius):
     m = simulate(Frame(0.9 + 0.004 * x + 0.002 * y, bright))
     direct = densities(m, kernel, radius)
     found, best, total = _largest_density(m, kernel, radius)
-    assert_allclose(best, direct.max(axis=2), atol=0.01 * direct.max())
-    assert_allclose(total, direct.sum(axis=2), rtol=0.04)
+    assert_allclose(best, direct.max(2), atol=0.01 * direct.max())
+    assert_allclose(total, direct.sum(2), rtol=0.04)
     ranked = np.sort(direct, axis=2)
     clear = ranked[..., -1] - ranked[..., -2] > 0.02 * direct.max()
-    assert (found == direct.argmax(axis=2))[clear].all()
+    assert (found == direct.argmax(2))[clear].all()
 
 
 def test_spatial_unwrapping_follows_a_slope_over_many_wraps(exact):

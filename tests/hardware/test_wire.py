@@ -61,6 +61,7 @@ def test_a_check_asks_every_device_and_leaves_its_port_free(world, run, succeeds
     assert "Close doors and covers" in text
 
 
+# Request at which a device falls silent or hangs up.
 PLACES = {
     "rf_emission": b"FREQ",
     "rf_detection": b"TABL",
@@ -71,9 +72,8 @@ PLACES = {
     "stage": b"\x53\x04",
     "power_meter": b"MEAS:POW",
 }
-"""Request at which a device falls silent or hangs up."""
+# Devices whose own light or RF stays on until their own timers end it.
 TIMED = ("daq", "rf_emission", "rf_detection")
-"""Devices whose own light or RF stays on until their own timers end it."""
 
 
 def goes_dark(world, lost):
@@ -109,13 +109,14 @@ def lit(world):
     daq.close()
 
 
-@mark.parametrize("role", PLACES)
+@mark.parametrize("role", [*PLACES, "stream"])
 def test_a_device_that_is_missing_at_the_start_leaves_no_light(world, lit, role):
     lit.close()
     world.ends[role].close()
     with refused("Expected", ConnectionLost), connected_bench(world.rig):
         pass
     assert world.lit == (role == "daq")
+    assert world.panel.detection.on == (role == "rf_detection")
     assert goes_dark(world, role)
 
 

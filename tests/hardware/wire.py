@@ -121,7 +121,7 @@ class Network(Server):
         self._model = model
         for port in range(20_000 + os.getpid() % 10_000, 60_000):
             with suppress(OSError):
-                self._stream = Stream(model, port=port + 200)
+                self.stream = Stream(model, port=port + 200)
                 super().__init__(self._answer, frame, port)
                 return
 
@@ -136,7 +136,7 @@ class Network(Server):
         return struct.pack(">HHHBB", number, 0, len(body) + 2, unit, function) + body
 
     def close(self):
-        self._stream.close()
+        self.stream.close()
         super().close()
 
 
@@ -175,6 +175,7 @@ class World:
             self.models[role] = kind(device, clock=self.now)
             self.ends[role] = end(self.models[role])
             self.rig = with_device(self.rig, role, address=self.ends[role].address)
+        self.ends["stream"] = self.ends["daq"].stream
 
     def now(self):
         """Time, s."""

@@ -53,7 +53,7 @@ def test_points_behind_and_missing_spots_are_nan():
     assert np.isnan(RIG.project([0.1, 0.1, -1.0])).all()
     pixels = RIG.project([[0.1, 0.1, 1.0], [0.0, 0.2, 2.0]])
     pixels[1, 0] = np.nan
-    assert np.isnan(RIG.triangulate(pixels)).all(axis=-1).tolist() == [True, False]
+    assert np.isnan(RIG.triangulate(pixels)).all(-1).tolist() == [True, False]
 
 
 def test_depth_noise_follows_the_closed_form(rng, z=4.0):

@@ -53,7 +53,7 @@ def test_light_falls_with_the_distance_by_its_closed_form(light, exponent, rtol)
     found = interior.direct(places(radius), up(radius), np.tile(np.arange(16), 4))[:, 1]
     away = radius[::16] ** 2 / 4
     expected = 3 / 4 / (1 + away) ** exponent
-    assert_allclose(found.reshape(4, 16).mean(axis=1), expected, rtol=rtol)
+    assert_allclose(found.reshape(4, 16).mean(1), expected, rtol=rtol)
 
 
 def test_shadows_are_where_the_light_is_hidden():

@@ -52,10 +52,10 @@ def box_hits(rays):
     """Depth, m, of the box, infinite where a ray misses it, and the axis of its face."""
     turned = Rotation.from_euler("y", _TURN).apply(rays)
     near, far = np.sort(np.array(_BOX)[:, None] / turned, axis=0)
-    enter = near.max(axis=1)
-    leave = far.min(axis=1)
+    enter = near.max(1)
+    leave = far.min(1)
     hit = (enter > 0) & (enter < leave)
-    return np.where(hit, enter, np.inf), near.argmax(axis=1)
+    return np.where(hit, enter, np.inf), near.argmax(1)
 
 
 def corner_scene(shape=SHAPE, camera=CAMERA):

@@ -64,7 +64,7 @@ def test_padding_and_unknown_pixels_weigh_nothing(shape):
     phase = np.ones((2, *shape))
     phase[1, 0, 0] = np.nan
     field = field_from_measurement(
-        Measurement.from_phase(phase, FREQUENCIES, mask=np.isfinite(phase).all(axis=0))
+        Measurement.from_phase(phase, FREQUENCIES, mask=np.isfinite(phase).all(0))
     )
     sides = np.array(field.cosine.shape)
     assert not (sides % CELL).any()

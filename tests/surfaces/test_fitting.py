@@ -132,7 +132,7 @@ def test_fits_hop_over_whole_wraps(wraps):
 def test_planes_are_called_planes(normal, turns, rng):
     depth, q = plane(normal)
     field = field_of(depth, information=20.0, noise_of=rng)
-    few = BOXES[np.abs(BOXES[:, [0, 2]] - (28, 36)).max(axis=1) < 16]
+    few = BOXES[np.abs(BOXES[:, [0, 2]] - (28, 36)).max(1) < 16]
     start = move_surface(field, q, few, BENT, 0.0, (0, turns))[0] if turns else q
     fit, *_ = fit_plane_or_bent(
         field,

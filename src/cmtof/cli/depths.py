@@ -4,7 +4,7 @@ import json
 import os
 import sys
 from collections import Counter
-from collections.abc import Callable, Mapping
+from collections.abc import Callable
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated
 
@@ -195,10 +195,13 @@ def evaluate(
             _add_frames(evaluation, one, advance)
     if evaluation.frames:
         _report_scores(evaluation.report(), json_file)
-    _print_missing(evaluation.missing)
-    for one in sets:
-        for why in one.skipped.values():
-            raise ValueError(why)
+    for name, error in evaluation.missing.items():
+        print(
+            escape_controls(f"cmtof: left out {name}. {error_line(error)}"),
+            file=sys.stderr,
+        )
+    if whys := [why for one in sets for why in one.skipped.values()]:
+        raise ValueError(" ".join(whys))
     if evaluation.missing and method != "all":
         sys.exit(1)
 
@@ -217,23 +220,11 @@ def _add_frames(
         evaluation.notes[f"skipped {name}"] = why
 
 
-def _print_missing(missing: Mapping[str, Exception]) -> None:
-    """Print one line on stderr per failure: the methods left out because of it."""
-    methods_by_line: dict[str, list[str]] = {}
-    for name, error in missing.items():
-        methods_by_line.setdefault(error_line(error), []).append(name)
-    for line, names in methods_by_line.items():
-        print(
-            escape_controls(f"cmtof: left out {', '.join(names)}. {line}"),
-            file=sys.stderr,
-        )
-
-
 def _report_scores(report: "Fields", json_file: File) -> None:
     """Write a report as JSON if a file is named, and print its table and notes."""
     if json_file is not None:
         with atomic_output(json_file) as part:
-            part.write_text(json.dumps(report, indent=2) + "\n", encoding="utf-8")
+            part.write_text(json.dumps(report, indent=2) + "\n", "utf-8")
     title = (
         f"{len(report['frames'])} frame(s), protocol {report['protocol']}, "
         f"σ = {report['noise']:g}, seed {report['seed']}, {report['coverage']:.1%} scored"

@@ -17,6 +17,7 @@ from cmtof.cli.options import (
     Quiet,
     conditions,
     group_options,
+    output_option,
     reading,
 )
 from cmtof.terminal import escape_controls, print_table, progress
@@ -63,7 +64,9 @@ def rehearsal(
     twin: Annotated[bool, Option("--twin", help="Simulate it, by RIG's twin.")] = False,
     scene: Annotated[str | None, Option(help="Its frame. Default: still_life.")] = None,
     seed: AnySeed = None,
-    log: Annotated[File, Option(help="File of all requests and replies.")] = None,
+    log: Annotated[
+        File, output_option(".txt", "--log", text="File of all requests and replies.")
+    ] = None,
 ) -> None:
     """Options of a scan: with a simulated instrument, or with a log."""
 
@@ -139,8 +142,7 @@ def _opener(
         )
     from cmtof.hardware.connect import connected_bench
 
-    log_file = log.open("w", encoding="utf-8") if log else None
-    return partial(connected_bench, rig, log_file)
+    return partial(connected_bench, rig, log)
 
 
 def _print_states_and_exit(bench: Callable[[], Any]) -> None:

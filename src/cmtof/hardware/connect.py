@@ -3,31 +3,41 @@
 from collections.abc import Iterator
 from contextlib import ExitStack, closing, contextmanager
 from functools import partial
+from pathlib import Path
 from typing import Any, TextIO
 
 from cmtof.hardware.bench import Bench
+from cmtof.hardware.device import ConnectionLost, insist
 from cmtof.hardware.log import Logged
 from cmtof.hardware.modbus import Feedback
 from cmtof.hardware.rig import LIGHT, Rig
 
-# Devices that may still emit light or RF after a killed scan; they are connected first.
+# Devices that may still emit light or RF after a killed scan; they are connected first, each also
+# if another one fails.
 DARK_FIRST = ("daq", "rf_emission", "rf_detection")
 
 
 @contextmanager
-def connected_bench(rig: Rig, log: TextIO | None = None) -> Iterator[Bench]:
+def connected_bench(rig: Rig, log: Path | None = None) -> Iterator[Bench]:
     """Bench of a rig's real devices, which are closed again, also if one cannot be reached.
 
     Every device has to be the one that the rig names, and is in its safe state before the next one
-    is connected. Requests and replies go into ``log``.
+    is connected. Requests and replies go into a file ``log``.
     """
     with ExitStack() as reached:
         devices = {}
-        for role in dict.fromkeys((*DARK_FIRST, *rig.devices)):
-            device = connected_driver(rig, role, log)
+        text = reached.enter_context(log.open("w", encoding="utf-8")) if log else None
+
+        def reach(role: str) -> None:
+            device = connected_driver(rig, role, text)
             devices[role] = reached.enter_context(closing(device))
             device.identify()
             device.safe_state()
+
+        insist(*(partial(reach, role) for role in DARK_FIRST), tries=1)
+        for role in rig.devices:
+            if role not in DARK_FIRST:
+                reach(role)
         with Bench(
             rig, devices, source="instrument", group_index=rig.group_index
         ) as bench:
@@ -59,15 +69,21 @@ def connected_driver(rig: Rig, role: str, log: TextIO | None = None) -> Any:
 
 
 def read_out(rig: Rig, connection: Any, **named: str) -> Any:
-    """Driver of a T7 at the rig's ``HOST`` or ``HOST:PORT``; its stream is at PORT + 200."""
+    """Driver of a T7 at the rig's ``HOST`` or ``HOST:PORT``; its stream is at PORT + 200.
+
+    Without a stream the T7 is brought into its safe state.
+    """
     from cmtof.hardware import rf, t7
 
+    lines = [rig.line(part) for part in LIGHT]
+    daq = t7.LabJackT7(connection, None, safe_lines=lines, parked=rig.mirrors, **named)
     host, port = connection.address
-    stream = rf.open_serial(f"socket://{host}:{port + 200}", rig.devices["daq"].timeout)
-    return t7.LabJackT7(
-        connection,
-        stream,
-        safe_lines=[rig.line(part) for part in LIGHT],
-        parked=rig.mirrors,
-        **named,
-    )
+    stream = f"socket://{host}:{port + 200}"
+    try:
+        daq.stream = rf.open_serial(stream, rig.devices["daq"].timeout)
+    except ConnectionLost:
+        with closing(connection):
+            daq.identify()
+            daq.safe_state()
+        raise
+    return daq

@@ -55,7 +55,7 @@ def read_request(register: str) -> bytes:
 
 
 class LabJackT7(Device):
-    """A T7: requests to a `modbus.Feedback`, packets from a ``stream`` (pyserial).
+    """A T7: requests to a `modbus.Feedback`, packets from its ``stream`` (pyserial).
 
     In the safe state the ``safe_lines`` are low and the registers ``parked`` hold 0 V.
     """
@@ -75,14 +75,14 @@ class LabJackT7(Device):
         parked: Sequence[str] = (),
     ) -> None:
         super().__init__(client, name, serial_number)
-        self._stream = stream
+        self.stream = stream
         self._safe_lines = safe_lines
         self._parked = dict.fromkeys(parked, 0.0)
         self.rate = 0.0  # actual sample rate of the last burst, Hz
 
     def close(self) -> None:
         """Close both connections."""
-        self._stream.close()
+        self.stream.close()
         self._connection.close()
 
     def gain(self) -> Gain:
@@ -124,7 +124,7 @@ class LabJackT7(Device):
         bit = self._bits([pulse_line])
         inhibit = (0xFF & ~bit) << 8
         self._size = scans * len(channels)
-        self._stream.timeout = scans / rate + 0.5
+        self.stream.timeout = scans / rate + 0.5
         self._settings = {
             "STREAM_SCANRATE_HZ": rate,
             "STREAM_NUM_ADDRESSES": 1 + len(channels),
@@ -168,7 +168,7 @@ class LabJackT7(Device):
         self.write_many(self._waveform)
         for registers in requests:
             with one_error(self.name):
-                self._stream.reset_input_buffer()
+                self.stream.reset_input_buffer()
             self._start(registers)
             try:
                 counts = self._samples()
@@ -190,7 +190,7 @@ class LabJackT7(Device):
         packet = np.dtype([("head", ">u2", 8), ("counts", ">u2", size)])
         wanted = self._size // size * packet.itemsize
         with one_error(self.name):
-            data = self._stream.read(wanted)
+            data = self.stream.read(wanted)
         packets = np.frombuffer(data, packet, len(data) // packet.itemsize)
         number, _, length, function, kind, _, status, _ = packets["head"].T
         known = (function & 0xFF == 76) & (kind == 0x1000)

@@ -119,7 +119,7 @@ def save_weights(path: Path, network: Network, card: Card) -> None:
         atomic_output(path.with_suffix(".json")) as beside,
     ):
         part.write_bytes(content)
-        beside.write_text(card.model_dump_json(indent=1) + "\n", encoding="utf-8")
+        beside.write_text(card.model_dump_json(indent=1) + "\n", "utf-8")
 
 
 def read_card(weights: Path) -> Card:

@@ -22,8 +22,8 @@ _AGAIN = 2  # times that beats of rough surfaces are pooled again
 _PASSES = 3  # over the cells of a surface, each with new weights
 _CREDIBLE = 3.0  # deviations from these beyond which a cell counts less
 
+# Offset (N,), wraps, of each surface by its summed beat; standard deviation; coherence.
 Beats = tuple[Array, Array, Array]
-"""Offset (N,), wraps, of each surface by its summed beat; standard deviation; coherence."""
 
 
 def pooled_beats(field: Field, cells: Cells) -> Beats:
