@@ -223,10 +223,7 @@ def _mask_samples(samples: Array, valid: Flags, simulated: bool) -> Array:
             largest = np.abs(samples).max(axis=tuple(range(samples.ndim - 2)))
             known = valid & (largest < _NOT_WRITTEN)
             unknown = unknown & ~(largest <= 2 * largest[known].max(initial=0))
-    unknown = unknown | lost
-    if not np.any(unknown):
-        return samples
-    return np.where(unknown, np.float32(np.nan), samples)
+    return np.where(unknown | lost, np.float32(np.nan), samples)
 
 
 def _raise_if_any(bad: Flags, what: str, advice: str) -> None:

@@ -26,7 +26,7 @@ _LEAST = 0.02  # noise, rad, up to which depth may have done it
 
 
 class Components(NamedTuple):
-    """Components of pixels that share one offset, and probabilities of errors of it, in wraps."""
+    """Groups of pixels that share a wrap offset, and probabilities that it is off by m wraps."""
 
     label: Numbers  # component of each pixel (H, W), from 1 on, the largest first; 0 for none
     odds: Array  # probability (C, M) of each to lie (1 - M) / 2 to (M - 1) / 2 wraps farther away
@@ -65,7 +65,7 @@ def guess_probability(measurement: Measurement) -> Array:
 
 
 def beat_repeats(measurement: Measurement) -> float:
-    """Range over the unambiguous range of the first two frequencies, 1 at least."""
+    """Depth range to choose from, as a multiple of the beat's unambiguous range; at least 1."""
     low, high = measurement.range
     return max(1.0, (high - low) / unambiguous_range(measurement.frequencies))
 
@@ -105,13 +105,13 @@ def without_holes(measurement: Measurement) -> Measurement:
 
 
 def phase_noise(measurement: Measurement) -> Array:
-    """Phase noise of both frequencies (2, H, W), rad: `seen_noise` and `hidden_noise`."""
+    """Phase noise of both frequencies (2, H, W), rad: root of `seen_noise`^2 + `hidden_noise`^2."""
     seen = seen_noise(measurement)
     return np.hypot(seen, hidden_noise(measurement, seen))
 
 
 def hidden_noise(measurement: Measurement, seen: Array) -> float:
-    """Phase noise, rad, that is common to all samples of a pixel; zero where it is not clear.
+    """Phase noise, rad, common to all samples of a pixel, as of vibration; 0 if it cannot be told.
 
     Vibration and drift move all samples alike, so that the residual of the fit does not show them.
     The beats ``phi_2 - m phi_1`` of pixels two apart do, where the frequencies have nearly the
@@ -140,7 +140,7 @@ def hidden_noise(measurement: Measurement, seen: Array) -> float:
 
 
 def seen_noise(measurement: Measurement) -> Array:
-    """Phase noise (2, H, W), rad, that the residuals of the fits show: ``sqrt(2 / K) s / a``.
+    """Phase noise (F, H, W), rad, by residuals of cosines fitted to K steps: ``sqrt(2 / K) s / a``.
 
     The noise s of a sample is that of the fit's residual, a the amplitude. It is one radian where
     only phases or three steps were kept, infinite without signal.

@@ -15,9 +15,9 @@ from functools import partial
 from typing import NamedTuple
 
 import numpy as np
-from scipy.ndimage import distance_transform_edt, median, uniform_filter
+from scipy.ndimage import distance_transform_edt, median
 
-from cmtof.classical.beat import WINDOW, beat_depth, beat_phasor, synthetic_frequency
+from cmtof.classical.beat import beat, synthetic_frequency
 from cmtof.estimate import Components, Estimate, within_range
 from cmtof.measurement import Measurement
 from cmtof.surfaces import contacts, placing
@@ -29,7 +29,7 @@ from cmtof.surfaces.parts import cut_surfaces
 from cmtof.surfaces.roughness import Cells, cells_of_surfaces, departure, turn_back
 from cmtof.surfaces.shapes import depth_of_labels
 from cmtof.surfaces.votes import CLEAR, depth_by_votes, slopes_of_surfaces
-from cmtof.types import Array, Flags, Numbers
+from cmtof.types import Array, Numbers
 
 STEPS = (
     "bent",
@@ -132,11 +132,8 @@ def stages(
     depth = depth + field.period * np.append(joined.wraps, 0)[grown.near]
     slopes = slopes_of_surfaces(depth / field.period, grown.near)
     depth = _add_departures(field, depth, np.append(cells.rough, 0)[grown.label])
-    _fill(
-        depth[inside],
-        (grown.distance[inside] > REACH) & ("fill" not in without),
-        measurement,
-    )
+    lost = (grown.distance > REACH) & ("fill" not in without) | ~np.isfinite(depth)
+    np.copyto(depth[inside], beat(measurement).depth, where=lost[inside])
     depth, votes = depth_by_votes(field, depth, slopes, grown.label >= 0, alone.closure)
     masked[votes[inside] > 0] = -1
     return Stages(
@@ -167,7 +164,7 @@ class GrownSurfaces(NamedTuple):
 
 
 def _grow_and_cut(field: Field, without: Collection[str], known: bool) -> GrownSurfaces:
-    """Surfaces grown and cut; with an unknown camera none is rough."""
+    """Surfaces grown and cut into parts; none is rough unless the camera is ``known``."""
     gain = np.inf if "bent" in without else GAIN
     # without a camera what a shape lacks would look like roughness
     owner, surfaces = grown_surfaces(field, gain=gain, roughest=ROUGHEST * known)
@@ -188,7 +185,7 @@ def _grow_and_cut(field: Field, without: Collection[str], known: bool) -> GrownS
 def _fit_again(
     field: Field, owner: Numbers, parts: Numbers, surfaces: Array, gain: float
 ) -> tuple[Numbers, Array]:
-    """Owner of each cell, its part where there are new ones, and the surfaces fitted again."""
+    """Owner of each cell after cuts, and surfaces (N, 7), those of each cut fitted again."""
     parts = np.where(parts <= owner.max(), owner, parts)
     changed = parts != owner
     both = np.isin(parts, [owner[changed], parts[changed]])
@@ -223,15 +220,8 @@ def _confidence(field: Field, odds: Array, grown: GrownSurfaces, votes: Array) -
     return np.where(votes > 0, np.interp(votes, *VOTING), odds)
 
 
-def _fill(depth: Array, far: Flags, measurement: Measurement) -> None:
-    """Give far and unknown pixels the depth of their beat."""
-    lost = far | ~np.isfinite(depth)
-    mean = uniform_filter(beat_phasor(measurement), WINDOW)
-    depth[lost] = beat_depth(np.angle(mean[lost]), measurement)
-
-
 def _add_departures(field: Field, depth: Array, rough: Array) -> Array:
-    """Depth (H, W), m, with the departure of each pixel of rough surfaces; clear ones vote."""
+    """Depth (H, W), m, plus departures of pixels from rough surfaces, except of clear pixels."""
     clear = information_of_beats(field, field.information) > CLEAR
     variance = np.where(clear, 0, rough)
     if not variance.any():
@@ -241,7 +231,7 @@ def _add_departures(field: Field, depth: Array, rough: Array) -> Array:
 
 
 def _limits(field: Field, depth: Array, label: Numbers, count: int) -> Array:
-    """Offsets (2, N), wraps, with which the middle of each surface lies at the limits."""
+    """Least and largest offset (2, N), wraps, that keep each surface's median depth in range."""
     known = label >= 0
     limits = np.full((2, count), np.inf) * [[-1], [1]]
     there = np.unique(label[known])
