@@ -123,7 +123,6 @@ OTHERS = [
     "mrf",
 ]
 OTHERS += [
-    "fast-scnn-light",
     "surfaces-mirrored",
     "hybrid",
     "reference-offset",
