@@ -162,7 +162,7 @@ class Spots(NamedTuple):
     sigma: Array
 
 
-def visible_from(points: Array, centre: ArrayLike) -> Flags:
+def visible_from(points: Array, centre: Array) -> Flags:
     """Which points (H, W, 3), m, of a scan are seen from a place (3,), their mesh hiding others."""
     known = np.isfinite(points).all(-1)
     faces = mesh_triangles(points)
