@@ -217,10 +217,10 @@ def _mask_samples(samples: Array, valid: Flags, simulated: bool) -> Array:
     its files a masked pixel keeps its samples, unless they exceed twice the largest valid one.
     """
     with np.errstate(invalid="ignore"):
-        lost = np.abs(samples) >= _NOT_WRITTEN
+        lost = abs(samples) >= _NOT_WRITTEN
         unknown = ~valid
         if simulated:
-            largest = np.abs(samples).max(axis=tuple(range(samples.ndim - 2)))
+            largest = abs(samples).max(axis=tuple(range(samples.ndim - 2)))
             known = valid & (largest < _NOT_WRITTEN)
             unknown = unknown & ~(largest <= 2 * largest[known].max(initial=0))
     return np.where(unknown | lost, np.float32(np.nan), samples)

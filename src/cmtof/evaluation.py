@@ -67,7 +67,7 @@ def scored_pixels(result: xr.Dataset, measurement: Measurement) -> Pixels:
         ends = np.clip(
             [count - half_width, count + half_width], *wraps_in_range(measurement)
         )
-        sets[f"covered_{level}"] = np.abs(count - true) <= half_width
+        sets[f"covered_{level}"] = abs(count - true) <= half_width
         sets[f"wraps_in_{level}"] = np.ptp(ends, axis=0) + 1
     return sets | {
         "wrap_count": count,
@@ -91,9 +91,9 @@ class Tally:
 
     def add(self, pixels: Pixels) -> Fields:
         """Add the `scored_pixels` of a frame; return its counts, ``below`` each of `LIMITS`."""
-        delta = np.abs(pixels["wrap_count"] - pixels["true_count"])
+        delta = abs(pixels["wrap_count"] - pixels["true_count"])
         right = pixels["consistent"] == pixels["true_consistent"]
-        error = np.abs(pixels["depth_error"])
+        error = abs(pixels["depth_error"])
         self._squares += np.sum(error**2)
         self._confidences += np.sum(pixels["confidence"], dtype=float)
         self._errors += np.bincount(

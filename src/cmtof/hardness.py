@@ -18,7 +18,7 @@ def bends(depth: ArrayLike) -> Flags:
     depth = np.asarray(depth, float)
     ends = ~np.isfinite(depth)
     for image, marks in ((depth, ends), (depth.T, ends.T)):
-        second = np.abs(np.diff(image, n=2, axis=0))
+        second = abs(np.diff(image, n=2, axis=0))
         marks[1:-1] |= ~(second <= BEND)  # NaN counts as an end
     return ends
 
@@ -41,7 +41,7 @@ def hardness(depth: ArrayLike) -> Hardness:
     slopes = []
     jumps = []
     for image, marks in ((depth, ends), (depth.T, ends.T)):
-        change = np.abs(np.diff(image, axis=0))
+        change = abs(np.diff(image, axis=0))
         is_jump = marks[1:] & marks[:-1]
         slopes.append(change[np.isfinite(change) & ~is_jump] / wrap)
         # of the two pixels that a bend marks, the step lies between them

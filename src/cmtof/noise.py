@@ -46,8 +46,8 @@ def denoise(phase: ArrayLike, *, window: int = 5) -> Denoised:
     """
     flat = _windows_without_slope(phase, window)
     total = flat.sum(axis=(-2, -1))
-    inside = np.abs(flat).sum(axis=(-2, -1))
-    coherence = np.minimum(np.abs(total) / inside, 1.0)
+    inside = abs(flat).sum(axis=(-2, -1))
+    coherence = np.minimum(abs(total) / inside, 1.0)
     return Denoised(wrapped(np.add(phase, np.angle(total))), coherence)
 
 
@@ -163,7 +163,7 @@ def power_spectrum(values: ArrayLike, mask: ArrayLike) -> Array:
             f"Expected finite values within a mask of shape {values.shape}, got a mask of shape "
             f"{mask.shape} with {mask.sum()} pixels. Choose another region."
         )
-    return np.abs(np.fft.fft2(np.where(mask, values, 0))) ** 2 / mask.sum()
+    return abs(np.fft.fft2(np.where(mask, values, 0))) ** 2 / mask.sum()
 
 
 def noise_from_spectrum(spectrum: ArrayLike, *, rng: Generator) -> Array:

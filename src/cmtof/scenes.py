@@ -132,7 +132,7 @@ def _tum_sequence(path: Path, options: Fields) -> list[Source]:
     times = np.array([*colours, np.inf])  # never near, where there is no colour
     found = []
     for time, name in depths.items():
-        nearest = times[np.abs(times - time).argmin()]
+        nearest = times[abs(times - time).argmin()]
         if abs(nearest - time) <= TUM_GAP:
             load = partial(
                 frame_from_pair, path / name, path / colours[nearest], **reading

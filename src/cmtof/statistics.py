@@ -100,7 +100,7 @@ class Reliability(NamedTuple):
         """Mean of ``|right - confidence|`` over answers (Naeini, Cooper, Hauskrecht, AAAI 2015)."""
         if not self.answers.any():
             return float("nan")
-        apart = np.nan_to_num(np.abs(self.right - self.confidence))
+        apart = np.nan_to_num(abs(self.right - self.confidence))
         return float(np.average(apart, weights=self.answers))
 
 

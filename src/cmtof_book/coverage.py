@@ -112,7 +112,11 @@ def shares(seen: Iterable[Measurement], **how: Any) -> Fields:
     """Shares of pixels right or covered, and mean wraps in a set, of each measurement, by name."""
     counts = pd.DataFrame(counts_of(seen, **how))
     counts["right"] = counts["below"].str[0]
-    return counts.filter(["right", *COVERAGE]).div(counts["pixels"], axis=0).to_dict("list")
+    return (
+        counts.filter(["right", *COVERAGE])
+        .div(counts["pixels"], axis=0)
+        .to_dict("list")
+    )
 
 
 def main() -> None:

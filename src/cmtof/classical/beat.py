@@ -77,7 +77,7 @@ def beat(measurement: Measurement, *, window: int = WINDOW) -> Estimate:
         )
     phasor = beat_phasor(measurement)
     mean = uniform_filter(phasor, window)
-    power = uniform_filter(np.abs(phasor) ** 2, window)
+    power = uniform_filter(abs(phasor) ** 2, window)
     spread = noise_of_mean(mean, power, window**2)
     depth = beat_depth(np.angle(mean), measurement)
     wraps = depth / wrap_length(measurement.frequencies[0])
@@ -109,7 +109,7 @@ def noise_of_mean(mean: NDArray, power: Array, count: Array | int) -> Array:
 
     ``mean`` and ``power`` are the means of ``count`` phasors and of their squared magnitudes.
     """
-    length = np.abs(mean)
+    length = abs(mean)
     scatter = np.maximum(power - length**2, 0)
     noise = np.sqrt(scatter / (2 * np.maximum(count - 1, 1)))
     return quotient(noise, np.where(count > 1.5, length, 0), np.inf)

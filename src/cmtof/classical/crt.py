@@ -94,7 +94,7 @@ def nearest_wrap(measurement: Measurement) -> tuple[Numbers, Array]:
         n = np.clip(np.rint(zero), 0, last - first).astype(np.int64)
         misfit = first_misfit - step * n
         misfit -= np.rint(misfit)
-        closer = np.abs(misfit) < np.abs(best)
+        closer = abs(misfit) < abs(best)
         wraps = np.where(closer, n, wraps)
         best = np.where(closer, misfit, best)
     return wraps + first, TAU * best
@@ -124,7 +124,7 @@ def _misfit_noise(
     noise = phase_noise(measurement)
     # infinite where nothing was measured: there every wrap is as likely
     spread = np.hypot(noise[1], ratio * noise[0]).clip(_FINEST, 1e9)
-    typical = np.median(np.abs(residual[measurement.mask]))
+    typical = np.median(abs(residual[measurement.mask]))
     if "correlation" not in measurement.dataset and typical < gap / 8:
         return np.where(spread < 1e9, 1.5 * typical + _FINEST, spread)
     return spread

@@ -97,7 +97,7 @@ def wrap_field(measurement: Measurement) -> RandomField:
     beat = synthetic.sign * (np.angle(smooth[1]) - synthetic.multiple * mean_phase)
     first, last = wraps_in_range(measurement)
     share = synthetic.frequency / low
-    turned = _pool_beat(_sharpness(np.abs(smooth), noise), beat, share * slope)
+    turned = _pool_beat(_sharpness(abs(smooth), noise), beat, share * slope)
     turned = turned * np.exp(-1j * share * (mean_phase + TAU * first))
     angles = TAU * share * np.arange(last - first + 1)
     return RandomField(
@@ -149,7 +149,7 @@ def _noise(phasors: Complex, means: Complex) -> Array:
     if not known.any():
         return np.zeros(2)
     turned = phasors * np.exp(-1j * np.angle(means))
-    across = np.abs(turned.imag[:, known])
+    across = abs(turned.imag[:, known])
     return 1.4826 * np.median(across, axis=1)
 
 
@@ -249,7 +249,7 @@ def lower_energy(field: RandomField, labels: Numbers) -> Numbers:
 def energy(field: RandomField, labels: Numbers) -> float:
     """E of labels (H, W) with the convex prior."""
     own = field.unary(labels).sum(dtype=float)
-    pairs = sum(np.abs(_steps(field, labels, axis)).sum() for axis in (0, 1))
+    pairs = sum(abs(_steps(field, labels, axis)).sum() for axis in (0, 1))
     return float(own + JUMP * pairs)
 
 
@@ -267,9 +267,9 @@ def best_move(field: RandomField, labels: Numbers, step: int) -> Flags:
     for axis in (1, 0):
         now = _steps(field, labels, axis)
         # x_p = 0, x_q = 1 raises the difference, x_p = 1, x_q = 0 lowers it
-        same = JUMP * np.abs(now)
-        ahead = JUMP * np.abs(now + step)
-        back = JUMP * np.abs(now - step)
+        same = JUMP * abs(now)
+        ahead = JUMP * abs(now + step)
+        back = JUMP * abs(now - step)
         excess += np.diff(back - same, axis=axis, prepend=0, append=0)
         capacities.append(ahead + back - 2 * same)
     return minimum_cut(excess, *capacities)

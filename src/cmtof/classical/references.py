@@ -140,7 +140,7 @@ def _pool_within(phasors: Complex, surface: Numbers, side: int) -> Pooled:
         own_phasors = np.where(inside, phasors[place], 0)
         share = np.maximum(_square_mean(inside.astype(float), side), 0.5 / side**2)
         mean = _square_mean(own_phasors, side) / share
-        power = _square_mean(np.abs(own_phasors) ** 2, side) / share
+        power = _square_mean(abs(own_phasors) ** 2, side) / share
         noise = noise_of_mean(mean, power, np.maximum(share * side**2, 1))
         known = inside & np.isfinite(noise)
         phase[place][inside] = np.angle(mean)[inside]

@@ -128,8 +128,8 @@ def _brightness(measurement: Measurement) -> Arrays:
     coherence = np.ones(phasor.shape)
     for axis in (0, 1):
         pairs = steps(phasor, axis)
-        length = uniform_filter(np.abs(pairs), 11)
-        coherence *= quotient(np.abs(uniform_filter(pairs, 11)), length)
+        length = uniform_filter(abs(pairs), 11)
+        coherence *= quotient(abs(uniform_filter(pairs, 11)), length)
     bright = uniform_filter(amplitude.sum(axis=0), 5)
     # a tenth of the mean keeps the logarithm of noise in the dark from making edges
     return np.log(0.1 + np.maximum(bright, 0) / (bright.mean() or 1.0)), coherence
@@ -189,7 +189,7 @@ def pool(phasors: Complex, number: Numbers) -> Pooled:
     size = np.bincount(number.ravel())
     total = sum_over(phasors, number)
     phase = np.angle(total)
-    length = np.where(size > 1, np.abs(total), 0)  # one pixel has no spread
+    length = np.where(size > 1, abs(total), 0)  # one pixel has no spread
     across = np.imag(phasors * np.exp(-1j * phase[number]))
     # one direction was fitted, so that one degree of freedom is lost
     power = sum_over(across**2, number) * size / np.maximum(size - 1, 1)

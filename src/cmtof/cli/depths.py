@@ -4,7 +4,7 @@ import json
 import os
 import sys
 from collections import Counter
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated
 
@@ -195,11 +195,7 @@ def evaluate(
             _add_frames(evaluation, one, advance)
     if evaluation.frames:
         _report_scores(evaluation.report(), json_file)
-    for name, error in evaluation.missing.items():
-        print(
-            escape_controls(f"cmtof: left out {name}. {error_line(error)}"),
-            file=sys.stderr,
-        )
+    _print_missing(evaluation.missing)
     if whys := [why for one in sets for why in one.skipped.values()]:
         raise ValueError(" ".join(whys))
     if evaluation.missing and method != "all":
@@ -218,6 +214,18 @@ def _add_frames(
             frames.skipped[frame.name] = str(error)
     for name, why in frames.skipped.items():
         evaluation.notes[f"skipped {name}"] = why
+
+
+def _print_missing(missing: Mapping[str, Exception]) -> None:
+    """Print one line on stderr per failure: the methods left out because of it."""
+    methods_by_line: dict[str, list[str]] = {}
+    for name, error in missing.items():
+        methods_by_line.setdefault(error_line(error), []).append(name)
+    for line, names in methods_by_line.items():
+        print(
+            escape_controls(f"cmtof: left out {', '.join(names)}. {line}"),
+            file=sys.stderr,
+        )
 
 
 def _report_scores(report: "Fields", json_file: File) -> None:

@@ -99,7 +99,7 @@ class Bench(EmergencyStop):
     def fly_back(self, directions: Array) -> None:
         """Aim at the first of a line's directions (N, 2), rad, and wait for the mirrors."""
         self.daq.write_many(self.mirror_outputs(directions)[0])
-        step = np.abs(directions[0] - self._aim).max()
+        step = abs(directions[0] - self._aim).max()
         self.wait(mirror_settling(self.rig, step))
         self._aim = directions[-1]
 

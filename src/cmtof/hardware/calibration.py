@@ -98,4 +98,4 @@ def cyclic_error(bench: Bench, offsets: ArrayLike) -> Array:
     error = sweep_errors(
         seen, bench.rig.reference_distance, visits=seen.sizes["position"]
     )
-    return 2 * np.abs(np.fft.rfft(error))[1:] / error.size
+    return 2 * abs(np.fft.rfft(error))[1:] / error.size

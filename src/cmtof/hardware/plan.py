@@ -95,7 +95,7 @@ def plan_scan(rig: Rig, *, size: int | Shape = 64) -> Plan:
     camera = np.array([*focal, *middle])
     rays = rays_from_camera((height, width), camera)
     angles = np.arctan2(rays[..., :2], rays[..., 2:])
-    largest_volts = np.abs(mirror_volts(rig, angles)).max()
+    largest_volts = abs(mirror_volts(rig, angles)).max()
     if largest_volts > 10:
         raise ValueError(
             f"Expected mirrors within 10 V, got {largest_volts:.3g} V. "
@@ -131,7 +131,7 @@ def _lines(height: int, width: int) -> list[Line]:
 def _samples_to_sum(rig: Rig, angles: Array) -> Numbers:
     """Number of samples (K,) to sum at the end of each phase, after filters and mirrors settle."""
     settle = np.full(rig.phases, rig.settle_samples)
-    step = np.abs(np.diff(angles[..., 0], axis=1)).max(initial=0.0)
+    step = abs(np.diff(angles[..., 0], axis=1)).max(initial=0.0)
     mirrors = ceil(mirror_settling(rig, step) * rig.rate - 1e-9)
     settle[0] = max(settle[0], min(mirrors, rig.samples_per_phase - 1))
     return rig.samples_per_phase - settle

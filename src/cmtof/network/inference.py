@@ -222,7 +222,7 @@ def network_images(measurement: Measurement, kind: str) -> list[Single]:
 def _at_quadratures(dataset: xr.Dataset) -> Array:
     """Correlations (2, 4, H, W) at psi = 0, 1/2, 1, 3/2 pi; a ValueError if not measured."""
     psi = dataset["psi"].to_numpy()[:2]
-    distance = np.abs(centred(psi[:, :, None] - np.asarray(QUADRATURES)))
+    distance = abs(centred(psi[:, :, None] - np.asarray(QUADRATURES)))
     if not (distance.min(1) <= 1e-6).all():
         raise ValueError(
             "Expected correlations at psi = 0, 1/2, 1 and 3/2 pi, which the network was trained "

@@ -114,7 +114,7 @@ def _jumps(
     )
     here, beyond = _departures(field, label, surfaces, at)
     jump = (one + other) / 2 / field.period + here - beyond
-    slope = np.abs(one - other) / field.period
+    slope = abs(one - other) / field.period
     return np.array([jump, np.minimum(slope, 1)])
 
 
@@ -128,7 +128,7 @@ def _departures(field: Field, label: Numbers, surfaces: Array, at: Numbers) -> A
 def _evidence(step: Array, tilt: Array) -> tuple:
     """Commonest whole wraps along a border, shares of it near them, log length, median slope."""
     whole = np.unique(np.rint(step))
-    off = np.abs(step[:, None] - whole)
+    off = abs(step[:, None] - whole)
     wide = np.mean(off < _WIDE, axis=0)
     best = wide.argmax()
     close = np.mean(off[:, best] < _CLOSE)

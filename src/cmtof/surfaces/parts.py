@@ -43,7 +43,7 @@ def cut_surfaces(
         ahead, apart, won, sizes = _halves(main, *lags, count)
         good = won > np.maximum(_CUT, _EDGE * _borders_of_halves(main, ahead, count))
         good &= sizes.min(axis=0) >= _LEAST
-        good &= np.abs(apart) > _APART
+        good &= abs(apart) > _APART
         good[count] = False  # of cells without a surface
         new = count + np.cumsum(good) - 1
         main = np.where(ahead & good[main], new[main], main)

@@ -212,7 +212,7 @@ def _axes(normal: Array, width: Array, clear: Flags, size: Numbers) -> list[Arra
 
     The first is the normal to which most are parallel or upright, the second upright to it.
     """
-    cosine = np.abs(normal @ normal.T)
+    cosine = abs(normal @ normal.T)
     apart = 3 * np.hypot(width, width[:, None])
     square = cosine < apart
     parallel = 1 - cosine**2 < apart**2
@@ -239,7 +239,7 @@ def _use_right_angles(
     total = planes.noise @ axis @ axis + _PLUMB**2
     total += slope**2 * variance
     likely = np.exp(-(off**2) / total / 2) / np.sqrt(TAU * total)
-    use = planes.known & (likely > _UPRIGHT) & (np.abs(mean) < _FARTHEST)
+    use = planes.known & (likely > _UPRIGHT) & (abs(mean) < _FARTHEST)
     gain = np.where(use, slope * variance / total, 0)
     least = np.minimum(variance, _FLOOR[0] ** 2)
     return mean - gain * off, np.maximum(variance * (1 - gain * slope), least)
