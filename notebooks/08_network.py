@@ -254,8 +254,7 @@ for level in (1.0, 0.3, 0.1):
 # its curve, below, ends at the last of its checkpoints.
 
 # %%
-path = Path(results).with_name("miniature.json")
-miniature = read_card(path)
+miniature = read_card(Path(results).with_name("miniature.json"))
 best = max(miniature.trivial.values(), key=lambda found: found.delta_lt_1)
 reached, constant = (100 * one.delta_lt_1 for one in (miniature.validation, best))
 gain = [100 * x for x in miniature.gain]
@@ -287,7 +286,7 @@ ROWS = (
     "ce_only_seed_1",
 )
 KEYS = ("delta_lt_1", "delta_lt_2", "delta_lt_3", "delta_ge_3")
-path = path.with_name("table1_released_768x1024_1200.json")
+path = Path(results).with_name("table1_released_768x1024_1200.json")
 held = json.loads(path.read_text("utf-8"))["cards"]
 cards = {row: Card(**held[row]) for row in ROWS if row in held}
 tested = read_counts(path)

@@ -4,8 +4,9 @@
 # By [chapter 9](09_limits.ipynb) a method must find every shape, pool over all of it, and use its
 # contacts. Can that be done without a network?
 #
-# Such a method needs no training, but for its confidence, and says where it is unsure. Below: its
-# steps, parts of it removed, other methods and references, and failures; all simulated.
+# Such a method has a few constants, fitted to training rooms, instead of a network, and its
+# confidence shows where it is unsure. Below: its steps, parts of it removed, other methods and
+# references, and failures; all simulated.
 
 # %% tags=["parameters", "hide-input"]
 profile: str = "book"  # size profile

@@ -39,9 +39,9 @@ def unwrap(
     """Wrap count, depth and confidence of a measurement, by a method out of `METHODS`.
 
     ``range`` holds the depths to choose from, ``min <= z < max``, m, by default the measurement's
-    own; pixels below ``min_confidence`` are masked; a measurement of a ``covered`` beam is that of
-    `Measurement.without_stray_light`; ``options`` are the method's, as ``window=81`` of ``beat``.
-    ValueError for an unknown method, bad values, or a measurement that the method does not suit.
+    own; pixels below ``min_confidence`` are masked; with a measurement of a ``covered`` beam stray
+    light is taken away before. ``options`` are the method's, as ``window=81`` of ``beat``. Raises
+    a ValueError for an unknown method, bad values, or a measurement that does not suit them.
 
     On (y, x) the result has ``wrap_count``, the estimate of ``floor(phi / 2 pi)`` at the lowest
     frequency, -1 where masked; ``depth``, m, of the measured phase with the

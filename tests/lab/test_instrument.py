@@ -80,7 +80,7 @@ def test_light_and_modulation_need_their_switches():
 
 def test_drift_is_bounded_with_its_rms_and_follows_the_labels():
     long = drift(0, 1, np.linspace(0, 36000, 200001))
-    assert np.abs(long).max() <= 1
+    assert abs(long).max() <= 1
     assert long.std() == approx(DRIFT_RMS, rel=0.05)
     drifting = replace(IDEAL, phase_drift=0.1)
     labels = np.array([1, 2000, 40000])

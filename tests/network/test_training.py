@@ -41,6 +41,12 @@ def test_presets_are_configurations(name):
     assert rates[-1] < 0.1 * max(rates)
 
 
+@mark.slow
+def test_the_miniature_beats_a_constant_answer(tmp_path):
+    file = train(read_config("miniature"), tmp_path, **CPU)
+    assert read_card(file).gain[1] > 0
+
+
 def test_stages_follow_each_other(config):
     assert [config.stage_at(step)[0].name for step in range(5)] == list("aaabb")
     assert config.rate_at(0) == approx(1e-3)  # half of the way up

@@ -50,7 +50,7 @@ def test_the_corner_without_noise_is_exact_whatever_is_left_out(
     corner, clean_corner, clean
 ):
     # what is left are single pixels along the edges
-    assert np.mean(np.abs(clean[1] - corner.frame.depth) < 1e-4) >= 0.995
+    assert np.mean(abs(clean[1] - corner.frame.depth) < 1e-4) >= 0.995
     for option in STEPS:
         assert right(clean_corner, without=[option]) > 0.99
 
@@ -92,7 +92,7 @@ def test_components_are_bodies_whose_surfaces_meet(clean_corner):
     assert room.component_odds.sel(number=1, offset=0) > 0.9
     left, _ = plane_depth((0, 0.5, 1), 2)
     right, _ = plane_depth((0, 0, 1), 3)
-    light = np.abs(COLUMNS - 90) > 10
+    light = abs(COLUMNS - 90) > 10
     apart = lit(np.where(COLUMNS < 90, left, right), light, CAMERA)
     result = cmtof.unwrap(simulate(apart, protocol="full", seed=1))
     assert np.mean(result.component[:, :75] == 1) > 0.95
@@ -124,7 +124,7 @@ def test_one_frame_shows_the_offset_between_its_frequencies():
 
 def exact_share(m, depth):
     """Share of the valid pixels whose depth is right to a ten-thousandth of a metre."""
-    return np.mean(np.abs(images(m)[1] - depth)[m.mask] < 1e-4)
+    return np.mean(abs(images(m)[1] - depth)[m.mask] < 1e-4)
 
 
 def test_phases_alone_do_not_say_how_noisy_they_are(exact):
@@ -164,7 +164,7 @@ def test_neighbours_vote_along_the_slope_of_their_surface():
     slopes = slopes_of_surfaces(depth / WRAP, np.zeros(SHAPE, int))
     found, share = depth_by_votes(field, astray, slopes, explained, 0.0)
     assert share[~explained].all()
-    assert (np.abs(found - depth)[~explained] < WRAP / 2).all()
+    assert (abs(found - depth)[~explained] < WRAP / 2).all()
 
 
 def test_images_whose_surfaces_lie_outside_the_mask_are_unwrapped():

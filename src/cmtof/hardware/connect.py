@@ -13,7 +13,7 @@ from cmtof.hardware.modbus import Feedback
 from cmtof.hardware.rig import LIGHT, Rig
 
 # Devices that may still emit light or RF after a killed scan; they are connected first, each also
-# if another one fails.
+# if another one cannot be reached.
 DARK_FIRST = ("daq", "rf_emission", "rf_detection")
 
 
