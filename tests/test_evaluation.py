@@ -51,7 +51,7 @@ def test_pooled_frames_are_one_large_frame(rng):
     cuts = [slice(100), slice(100, 101), slice(101, None)]
     many = score([{key: whole[key][cut] for key in whole} for cut in cuts])
     assert score(whole) == approx(many)
-    errors = np.abs(whole["depth_error"])
+    errors = abs(whole["depth_error"])
     assert many["depth_median_error_m"] == approx(np.median(errors), rel=2e-3)
     assert many["depth_rmse_m"] == approx(np.sqrt(np.mean(errors**2)))
 

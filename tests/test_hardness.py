@@ -19,7 +19,7 @@ def test_a_step_in_a_slanted_plane_is_one_jump_a_row_and_two_surfaces():
 
 
 def test_a_crease_and_a_gap_end_a_surface_without_a_jump():
-    crease = 2 + 0.003 * np.abs(np.arange(-20, 20)) + np.zeros((10, 1))
+    crease = 2 + 0.003 * abs(np.arange(-20, 20)) + np.zeros((10, 1))
     assert bends(crease).sum() == 10
     assert hardness(crease).jump.size == 0
     gap = np.ones((10, 11))

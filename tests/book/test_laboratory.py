@@ -140,7 +140,7 @@ def test_phases_and_amplitudes(page, measurement):
     for tone, phase, amplitude in zip(
         page["tones"], measurement.phase, measurement.amplitude, strict=True
     ):
-        assert np.abs(centred(tone["phase"] - phase.ravel())).max() < 1e-4
+        assert abs(centred(tone["phase"] - phase.ravel())).max() < 1e-4
         assert_allclose(tone["amplitude"], amplitude.ravel(), rtol=1e-4)
 
 
@@ -151,8 +151,8 @@ def test_wraps_of_the_averaged_beat(unwrapped):
         page["beat"]["wraps"], depth / wrap_length(FREQUENCIES[0]), rtol=1e-4
     )
     phasor = beat_phasor(measurement)
-    coherent = np.abs(uniform_filter(phasor, SIDE)) ** 2
-    scatter = uniform_filter(np.abs(phasor) ** 2, SIDE) - coherent
+    coherent = abs(uniform_filter(phasor, SIDE)) ** 2
+    scatter = uniform_filter(abs(phasor) ** 2, SIDE) - coherent
     spread = np.sqrt(scatter / (2 * SIDE**2) / coherent).ravel()
     expected = wrap_noise(0, spread, frequencies=FREQUENCIES)
     assert_allclose(page["beat"]["spread"], expected, rtol=1e-4, atol=1e-4)

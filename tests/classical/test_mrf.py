@@ -33,7 +33,7 @@ def test_one_row_is_the_best_chain(rng, shape, labels):
     field = random_field(rng, *shape, labels)
     chains = np.array([*product(range(labels), repeat=6)])
     told = np.rint(np.diff(field.phase.ravel()) / TAU)
-    steps = np.abs(np.diff(chains) + told)
+    steps = abs(np.diff(chains) + told)
     cost = np.minimum(mrf.JUMP * steps, mrf.MOST).sum(1)
     cost += [field.unary(one.reshape(shape)).sum() for one in chains]
     found, odds = mrf.semi_global_labels(field)

@@ -42,7 +42,7 @@ def test_each_instrument_follows_the_stage(bench_of, way, worst):
     target = replace(MIRROR, reflectance=1e-2 if way == "rf" else 6e-6)
     bench = bench_of(replace(KNOWN, reference=target))
     seen = sweep(bench, way, np.append(zero_positions(8), POSITIONS))
-    assert 0 < np.abs(sweep_errors(seen, target.distance, visits=8)[8:]).max() < worst
+    assert 0 < abs(sweep_errors(seen, target.distance, visits=8)[8:]).max() < worst
     assert (seen["laser_power"] > 0).all()
     panel = bench.daq.panel
     assert not (panel.beam_block_out or panel.shutter_open)

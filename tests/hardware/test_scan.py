@@ -7,7 +7,6 @@ from functools import partial
 from pathlib import Path
 from unittest.mock import DEFAULT, Mock, call
 
-import numpy as np
 from numpy.testing import assert_allclose, assert_array_equal
 from pytest import approx, fixture, mark, raises
 from refusals import WRONG, refused
@@ -66,7 +65,7 @@ def test_phases_are_those_of_the_true_ranges():
     seen = scan_scene(settings, WALL, size=6, field_of_view=0.3, seed=1)
     truth = seen.depth
     expected = [phase_from_depth(truth, frequency) for frequency in seen.frequencies]
-    assert np.abs(centred(seen.phase - expected)).max() < 0.02
+    assert abs(centred(seen.phase - expected)).max() < 0.02
     rays = directions_from_angles(seen.dataset["angle"].to_numpy())
     assert_allclose(truth, WALL.look(rays).range, rtol=1e-6)
     assert seen.mask.all()
@@ -224,7 +223,7 @@ def test_the_mirrors_are_waited_for_as_long_as_their_step_requires():
     waited = []
     take(prepare=lambda bench: setattr(bench, "wait", waited.append))
     flybacks = [seconds for seconds in waited if 0 < seconds < 0.05]
-    down = mirror_settling(RIG, np.abs(PLAN.angles[0, 0]).max())
+    down = mirror_settling(RIG, abs(PLAN.angles[0, 0]).max())
     assert flybacks[:2] == [down, approx(3.3e-3, abs=2e-4)]  # 15 degrees
 
 

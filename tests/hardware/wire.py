@@ -74,7 +74,10 @@ class Terminal:
         self.wire = Wire(model)
         near, far = os.openpty()
         tty.setraw(far)
-        self.address = os.ttyname(far)
+        # its own number would lead to the terminal of another test once it is closed
+        self._link = Path(f"port{far}").absolute()
+        self._link.symlink_to(os.ttyname(far))
+        self.address = str(self._link)
         self._far = os.fdopen(far, "rb")
         send = partial(os.write, near)
         in_background(serve, os.fdopen(near, "rb"), read, self.wire, send)
@@ -82,6 +85,7 @@ class Terminal:
     def close(self):
         """Leave the port: when the host leaves it, too, nobody is there."""
         self._far.close()
+        self._link.unlink(missing_ok=True)
 
 
 class Server:

@@ -69,7 +69,7 @@ def test_every_network_answers_as_in_torch(tmp_path, name, size):
         found = network.classes * (0.5 + found)
     # norms that divide by the spread of an image feel the rounding, the more the smaller it is
     close = 3e-3 / min(size) if name == "fast-scnn-public" else 1e-5
-    assert_allclose(found, expected, rtol=0, atol=close * np.abs(expected).max())
+    assert_allclose(found, expected, rtol=0, atol=close * abs(expected).max())
 
 
 @mark.parametrize("name", MODELS)

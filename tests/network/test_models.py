@@ -63,7 +63,7 @@ def test_fresh_stem_sees_the_beat(protocol, quarters, rng):
     seen = torch.relu(torch.nn.functional.conv2d(inputs, kernels))
     means = seen.unflatten(0, (len(quarters), -1)).mean((1, 3))
     beta = BEAT * (first + classes / 2) + TAU / 4 * np.array(quarters)
-    expected = 8 * 2 * np.abs(np.sin((beat - beta) / 2)).T / np.pi
+    expected = 8 * 2 * abs(np.sin((beat - beta) / 2)).T / np.pi
     assert_allclose(means, expected, rtol=0, atol=0.25)
 
 

@@ -73,7 +73,7 @@ def test_classes_agree_with_the_measured_phase(stored, measurement, name):
     if name == "one-step":
         return  # classes agree with the measured phase, a regression need not
     off = phase_from_depth(depth, measurement.frequencies[0]) - measurement.phase[0]
-    assert np.abs(centred(off)).max() < 1e-4
+    assert abs(centred(off)).max() < 1e-4
 
 
 @mark.parametrize("name", ["fast-scnn", "kde", "mrf"])

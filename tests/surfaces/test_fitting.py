@@ -104,7 +104,7 @@ def test_the_gradient_is_that_of_the_likelihood(steep, rng):
 def misses(field, q, depth):
     """How far, m, a surface is from the truth at most, and how much it varies."""
     off = depth_of(field, q) - depth
-    return np.abs(off).max(), off.std()
+    return abs(off).max(), off.std()
 
 
 @mark.parametrize("normal", NORMALS[1:])
@@ -132,7 +132,7 @@ def test_fits_hop_over_whole_wraps(wraps):
 def test_planes_are_called_planes(normal, turns, rng):
     depth, q = plane(normal)
     field = field_of(depth, information=20.0, noise_of=rng)
-    few = BOXES[np.abs(BOXES[:, [0, 2]] - (28, 36)).max(1) < 16]
+    few = BOXES[abs(BOXES[:, [0, 2]] - (28, 36)).max(1) < 16]
     start = move_surface(field, q, few, BENT, 0.0, (0, turns))[0] if turns else q
     fit, *_ = fit_plane_or_bent(
         field,
