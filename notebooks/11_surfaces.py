@@ -162,7 +162,7 @@ views.show_scene("scene_room", title="the room")
 #    wraps all along it, or one occludes the other. Belief propagation passes the probabilities of
 #    offsets from surface to surface, so that a false contact is outvoted by those that agree. A
 #    step that the beats of both sides forbid is no contact: a wall behind leaves stays where it is.
-# 6. **The rest** takes the nearest surface within 4 px, or else the beat of its surroundings.
+# 6. **The rest** takes the nearest surface.
 # 7. **Votes.** An unexplained pixel follows its neighbours if its own beat is certain to 4 wraps,
 #    as for many pixels of a scan ([chapter 21](21_scanned_scenes.ipynb)). Each neighbour votes for
 #    the continuation of its own surface, because bodies fall away steeply near an outline.
@@ -277,7 +277,7 @@ plotting.save(
 # points, with its standard error, over 40 rooms of another seed, and over one scan of each scene of
 # [chapter 21](21_scanned_scenes.ipynb). Curved surfaces help on uneven walls, ties there and on
 # scans, shape and axes in even rooms. Parts, and the common offset where there is one, help by less
-# than two standard errors. The last step, the beat of the surroundings, helps nowhere here.
+# than two standard errors.
 
 # %% tags=["hide-input"]
 LEFT_OUT = {
@@ -287,7 +287,6 @@ LEFT_OUT = {
     "closure": "common offset of the beats",
     "axes": "axes of the room",
     "ties": "ties",
-    "fill": "beat of the surroundings",
 }
 coverage = json.loads((Path(results) / "coverage.json").read_text("utf-8"))
 usual = coverage["checked"]["surfaces"]

@@ -13,7 +13,7 @@ from cmtof.types import Array, Flags, Numbers
 
 # Half-widths of sets of wraps over the odds against a pixel's own: `cmtof_book.coverage` computes
 # them.
-SETS = {"within_90": 1.86, "within_95": 8.02}
+SETS = {"within_90": 1.85, "within_95": 7.99}
 
 # Beats show hidden noise if a wrap adds up to so many turns to them, for then depth hardly does.
 _SLOW = 0.01

@@ -6,7 +6,7 @@
 3. `cmtof.surfaces.placing`: pixels take surfaces, whose beat (`cmtof.surfaces.beats`) and shape
    give their wraps. `cmtof.surfaces.contacts`: surfaces that meet agree on them.
    `cmtof.surfaces.roughness`: how far pixels depart from their surface.
-4. Here: other pixels take the nearest one, or the beat about them.
+4. Here: other pixels take the nearest one, or the beat about them if there is none.
    `cmtof.surfaces.votes`: clear ones take the vote of their neighbours.
 """
 
@@ -31,24 +31,16 @@ from cmtof.surfaces.shapes import depth_of_labels
 from cmtof.surfaces.votes import CLEAR, depth_by_votes, slopes_of_surfaces
 from cmtof.types import Array, Numbers
 
-STEPS = (
-    "bent",
-    "parts",
-    "shape",
-    "closure",
-    "axes",
-    "ties",
-    "fill",
-)  # that may be left out
-REACH = 4  # pixels around a surface that are given to it where nothing explains them
+# Steps that may be left out
+STEPS = ("bent", "parts", "shape", "closure", "axes", "ties")
 
 # Confidences, calibrated on views of training rooms, and of votes on scans of things from these.
 # odds of an offset, and the share right
 CALIBRATION = ((0.0, 0.9, 1.0), (0.0, 0.87, 0.965))
 # S / E about a pixel, and a factor
 FITTING = ((0.4, 0.6, 0.8, 0.95), (0.5, 0.69, 0.82, 1.0))
-# px off the nearest surface, and a factor; farther off the beat counts, hardly ever right
-BESIDE = ((1.0, 2.0, REACH, REACH + 0.1), (0.36, 0.2, 0.1, 0.03))
+# px off the nearest surface, and a factor
+BESIDE = ((1.0, 2.0, 4.0, 4.1), (0.36, 0.2, 0.1, 0.03))
 NARROW = 0.5  # share of the doubt that goes with fewer than 100 wraps to choose from
 # share of the winner of a vote, and how often it was right
 VOTING = ((0.0, 0.65, 0.95, 0.995, 1.0), (0.05, 0.33, 0.42, 0.55, 0.81))
@@ -103,9 +95,8 @@ def stages(
 
     Steps that may be left out: ``bent`` surfaces beside planes; ``parts``, cut where the beat
     steps; with a camera, offsets by the ``shape``, one of all beats by it (``closure``), and by the
-    ``axes`` of the room; ``ties`` of surfaces that meet; the ``fill`` of far pixels by their beat.
-    ``prior`` returns log-odds of offsets (N, M), wraps, from the depth (H, W), m, and the surface
-    (H, W) of pixels before any offset.
+    ``axes`` of the room; ``ties`` of surfaces that meet. ``prior`` returns log-odds of offsets
+    (N, M), wraps, from the depth (H, W), m, and the surface (H, W) of pixels before any offset.
     """
     synthetic_frequency(*measurement.frequencies)  # refuses multiples
     field = field_from_measurement(measurement)
@@ -132,8 +123,8 @@ def stages(
     depth = depth + field.period * np.append(joined.wraps, 0)[grown.near]
     slopes = slopes_of_surfaces(depth / field.period, grown.near)
     depth = _add_departures(field, depth, np.append(cells.rough, 0)[grown.label])
-    lost = (grown.distance > REACH) & ("fill" not in without) | ~np.isfinite(depth)
-    np.copyto(depth[inside], beat(measurement).depth, where=lost[inside])
+    lost = ~np.isfinite(depth[inside])
+    np.copyto(depth[inside], beat(measurement).depth, where=lost)
     depth, votes = depth_by_votes(field, depth, slopes, grown.label >= 0, alone.closure)
     masked[votes[inside] > 0] = -1
     return Stages(
