@@ -99,7 +99,9 @@ def test_methods_and_info(succeeds, measurement_file):
     assert [one["name"] for one in listed if one["default"]] == ["surfaces"]
     learned = {one["state"] for one in listed if one["kind"] == "learned"}
     assert learned <= {"trained", "untrained", "no weights"}
-    assert "Default: surfaces." in succeeds("methods")
+    rates = {one["name"]: one["validation"] for one in listed}
+    assert rates["crt"] is None
+    assert f"trained, {rates['fast-scnn']:.1%} right" in succeeds("methods")
     assert f"cmtof {cmtof.__version__}" in succeeds("info")
     text = succeeds("info", measurement_file)
     assert "float32 correlation(frequency, step, y, x)" in text

@@ -87,14 +87,12 @@ def test_all_are_no_references():
     assert not [name for name in chosen if METHODS[name].kind == "reference"]
 
 
-def test_learned_methods_tell_their_state(measured, monkeypatch):
-    from cmtof.network import weights
+def test_untrained_networks_warn_and_are_left_out_of_all(measured, monkeypatch):
+    from cmtof.network.weights import Card
 
-    monkeypatch.setattr(weights, "state", lambda model, protocol: "untrained")
-    method = find_method("fast-scnn")
-    monkeypatch.setitem(method.__dict__, "run", METHODS["middle"].run)
-    with warns(UserWarning, match="fast-scnn is untrained"):
-        method(measured)
+    monkeypatch.setattr(Card, "trained", False)
+    with warns(UserWarning, match="fast-scnn.released is untrained"):
+        cmtof.unwrap(measured, method="fast-scnn")
     assert "fast-scnn" not in names_of("all")
 
 

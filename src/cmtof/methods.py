@@ -1,7 +1,6 @@
 """Registry of the unwrapping methods: function, source, and state of the weights, by name."""
 
 import inspect
-import warnings
 from collections.abc import Callable
 from dataclasses import dataclass
 from math import isqrt
@@ -56,12 +55,6 @@ class Method:
             measurement = Measurement(measurement.dataset.isel(frequency=slice(2)))
         if not measurement.mask.any():
             return trivial.middle(measurement)
-        protocol = str(measurement.dataset.attrs.get("protocol", "released"))
-        if "weights" not in options and self.state(protocol) == "untrained":
-            warnings.warn(
-                f"{self.name} is untrained: its card shows no gain over a trivial answer.",
-                stacklevel=3,
-            )
         first, last = wraps_in_range(measurement)
         pixel = self.memory + self.wrap_memory * (last - first + 1)
         if pixel * measurement.mask.size <= MOST_MEMORY:
@@ -104,6 +97,13 @@ class Method:
         from cmtof.network.weights import state
 
         return state(self.network, protocol)
+
+    def validation(self, protocol: str = "released") -> float | None:
+        """Share of right wraps by the card of its weights; None for a method without weights."""
+        from cmtof.network.weights import read_card, weights_path
+
+        path = weights_path(self.network, protocol)
+        return read_card(path).validation.delta_lt_1 if path.is_file() else None
 
 
 def _network_method(

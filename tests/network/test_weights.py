@@ -5,7 +5,7 @@ import json
 import numpy as np
 import torch
 from numpy.testing import assert_allclose
-from pytest import approx, mark
+from pytest import approx, mark, warns
 from refusals import WRONG, refused
 from tests.network.conftest import card
 from walls import lit
@@ -34,6 +34,12 @@ def test_state_is_computed_from_the_gain(stored):
         path = stored(gain=(0.1, low, 0.2))
         assert weights.state("fast-scnn-light", "released", path.parent) == expected
     assert weights.state("fast-scnn-light", "full", path.parent) == "no weights"
+
+
+def test_untrained_weights_warn(stored, measurement):
+    path = stored(gain=(0.1, -0.01, 0.2))
+    with warns(UserWarning, match="fast-scnn-light.released is untrained"):
+        cmtof.unwrap(measurement, method="fast-scnn-light", weights=path)
 
 
 def test_weights_with_the_fewest_classes_are_found(stored):

@@ -49,7 +49,7 @@ def main(arguments: list[str] | None = None) -> None:
         # the libraries' own are for their developers; ours are one line
         with warnings.catch_warnings(action="ignore"):
             warnings.filterwarnings(
-                "always", ".* is (untrained|left out)|.*NUMBA_CACHE_DIR", UserWarning
+                "default", ".* is (untrained|left out)|.*NUMBA_CACHE_DIR", UserWarning
             )
             warnings.showwarning = lambda text, *_: print(
                 f"cmtof: {text}", file=sys.stderr

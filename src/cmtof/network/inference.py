@@ -6,6 +6,7 @@ weights are those of `cmtof.network.weights`, which training goes on from. torch
 
 import gzip
 import os
+import warnings
 from collections.abc import Iterator
 from dataclasses import dataclass, field
 from functools import lru_cache
@@ -160,6 +161,11 @@ def network_for(
     if model not in (None, ready.card.model):
         raise ValueError(
             f"Expected weights of {model}, got those of {ready.card.model}. Choose that method."
+        )
+    if not ready.card.trained:
+        warnings.warn(
+            f"{path.stem} is untrained: its card shows no gain over a trivial answer.",
+            stacklevel=2,
         )
     return ready
 

@@ -67,6 +67,11 @@ class Card(Strict):
     fine_tuned: Values | None = None
     sha256: str = ""
 
+    @property
+    def trained(self) -> bool:
+        """Whether the gain is above zero with 95 % confidence."""
+        return self.gain[1] > 0
+
 
 class Trained(NamedTuple):
     """Network of torch with trained weights, in evaluation mode, and its card."""
@@ -81,10 +86,10 @@ def weights_path(model: str, protocol: str, folder: Path = FOLDER) -> Path:
 
 
 def state(model: str, protocol: str = "released", folder: Path = FOLDER) -> str:
-    """State "trained" (a gain above zero with 95 % confidence), "untrained" or "no weights"."""
+    """State "trained" (by `Card.trained`), "untrained" or "no weights"."""
     if not (path := weights_path(model, protocol, folder)).is_file():
         return "no weights"
-    return "trained" if read_card(path).gain[1] > 0 else "untrained"
+    return "trained" if read_card(path).trained else "untrained"
 
 
 def find_weights(model: str, first: int, last: int, folder: Path = FOLDER) -> Path:
