@@ -289,13 +289,12 @@ def methods(
         print(json.dumps(rows, indent=2, ensure_ascii=False))
         return
     for row in rows:
-        if row["validation"]:
-            row["state"] += f", {row['validation']:.1%} right"
-    head = ("name", "kind", "state", "summary", "source")
+        rate = row["validation"]
+        row["right"] = "" if rate is None else f"{rate:.1%}"
+    head = ("name", "kind", "state", "right", "summary", "source")
     print_table("", [{key: row[key] for key in head} for row in rows])
-    print(
-        f"Default: {DEFAULT}. State: of weights for the released protocol, in validation."
-    )
+    print(f"Default: {DEFAULT}. State: of weights for the released protocol.")
+    print("Right: share of right wraps on validation views, by the card of the weights.")
 
 
 PICTURES = (".png", ".pdf", ".svg", ".jpg")

@@ -7,7 +7,7 @@ from functools import partial
 from io import StringIO
 from typing import TYPE_CHECKING, Annotated, Any
 
-from typer import Argument, Option
+from typer import Argument, BadParameter, Option
 
 from cmtof.cli.options import (
     AnySeed,
@@ -95,13 +95,13 @@ def scan(
     from cmtof.hardware.scan import scan as run_scan
 
     if not rehearsal["twin"] and rig is None:
-        raise ValueError("Expected either a RIG file or --twin, got neither. Name one.")
+        raise BadParameter("Expected a RIG file or --twin, got neither. Name one.")
+    if output is None and not check:
+        raise BadParameter("Expected an output, got none. Add -o m.nc.")
     plan = plan_scan(Rig.default() if rig is None else Rig.load(rig), size=size)
     bench = _opener(plan.rig, "" if rig else "still_life", **rehearsal)
     if check:
         _print_states_and_exit(bench)
-    if output is None:
-        raise ValueError("Expected an output, got none. Add -o m.nc.")
     try:
         with progress(len(plan.lines), quiet) as advance:
             measurement = run_scan(
@@ -137,7 +137,7 @@ def _opener(
             simulated_bench, rig, scene or default_scene or None, seed=seed or 0
         )
     if (seed, scene) != (None, None):
-        raise ValueError(
+        raise BadParameter(
             "Expected --scene and --seed with --twin, got a RIG file. Leave them out."
         )
     from cmtof.hardware.connect import connected_bench
