@@ -164,6 +164,21 @@ def test_pairs_of_a_folder_are_read_in_the_order_of_their_numbers(tmp_path):
     assert np.argwhere(np.isnan(listed[0].load().depth)).tolist() == [[0, 0]]
 
 
+def test_scannet_tells_its_camera(own_folder):
+    write("depth/0.png", levels(1000))
+    write("color/0.png", LIGHT)
+    matrix = Path("intrinsic/intrinsic_depth.txt")
+    matrix.parent.mkdir()
+    matrix.write_text("9 0 7 0\n0 8 6 0\n0 0 1 0\n0 0 0 1\n")
+    found = load_frame(".")
+    told = load_frame(".", planar=True, camera=[9.0, 8.0, 7.5, 6.5])
+    assert_array_equal(found.camera, told.camera)
+    assert_array_equal(found.depth, told.depth)
+    matrix.write_text("9 0 7 0")
+    with refused("a matrix of the camera"):
+        load_frame(".")
+
+
 def test_what_cannot_be_read_is_told_how_to_convert():
     Path("d.exr").write_bytes(b"v/1\x01")
     with refused(r"got d\.exr\. Convert it: numpy\.save"):

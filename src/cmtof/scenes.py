@@ -72,7 +72,7 @@ def frames_in(
     A folder is a Hypersim tree or scene (its test frames, or every view without the table), a
     sequence of the TUM benchmark (``depth.txt`` and ``rgb.txt``), holds ``*.npz``, or pairs
     ``depth/NAME.png`` and ``rgb`` or ``color`` ``/NAME.png`` or ``.jpg``, as NYU and ScanNet are
-    exported; options as in `load_frame`.
+    exported, with ScanNet's ``intrinsic/intrinsic_depth.txt``; options as in `load_frame`.
     """
     path = Path(source)
     if str(source) in embedded_frames() or not path.is_dir():
@@ -103,6 +103,8 @@ def frames_in(
 
 def _pairs(path: Path, options: Fields) -> list[Source]:
     """Sources of pairs ``depth/NAME`` and ``rgb/NAME`` or ``color/NAME``, by rising number."""
+    if options.get("camera") is None:
+        options = options | _scannet_camera(path)
     colours = {
         p.stem: p for folder in ("rgb", "color") for p in (path / folder).glob("*.*g")
     }
@@ -118,6 +120,18 @@ def _pairs(path: Path, options: Fields) -> list[Source]:
         )
         for p in sorted(depths, key=lambda p: (len(p.stem), p))
     ]
+
+
+def _scannet_camera(path: Path) -> Fields:
+    """Options of `frame_from_pair` by the camera that a folder of ScanNet has; none without it."""
+    file = path / "intrinsic" / "intrinsic_depth.txt"
+    if not file.is_file():
+        return {}
+    with reading("a matrix of the camera", file):
+        matrix = np.loadtxt(file)
+        focal = matrix[[0, 1], [0, 1]]
+        centre = matrix[:2, 2] + 0.5  # they count pixels from their centres
+    return {"planar": True, "camera": [*focal, *centre]}
 
 
 def _tum_sequence(path: Path, options: Fields) -> list[Source]:

@@ -294,7 +294,9 @@ def methods(
     head = ("name", "kind", "state", "right", "summary", "source")
     print_table("", [{key: row[key] for key in head} for row in rows])
     print(f"Default: {DEFAULT}. State: of weights for the released protocol.")
-    print("Right: share of right wraps on validation views, by the card of the weights.")
+    print(
+        "Right: share of right wraps on validation views, by the card of the weights."
+    )
 
 
 PICTURES = (".png", ".pdf", ".svg", ".jpg")
