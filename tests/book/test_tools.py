@@ -65,9 +65,13 @@ def test_accepted_figures_follow_the_build_and_keep_measured_data(tmp_path):
     draw(accepted, "wall_scan", source="measured", drawing="real")
     figures.main(results, accepted)
     kept = {path.name for path in accepted.iterdir()}
-    stems = ("wall_new", "wall_scan")
-    drawn = {f"{stem}.{suffix}" for stem in stems for suffix in ("json", "svg")}
-    assert kept == drawn | {"scoreboard.json"}
+    assert kept == {
+        "wall_new.json",
+        "wall_new.svg",
+        "wall_scan.json",
+        "wall_scan.svg",
+        "scoreboard.json",
+    }
     scores = json.loads((accepted / "scoreboard.json").read_text())
     assert scores["numbers"]["sec8.gain"]["verdict"] == "as stated"
     assert (accepted / "wall_scan.svg").read_text() == "real"
