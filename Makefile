@@ -100,7 +100,7 @@ lint: setup ## Check style, types, notebook pairs and words
 	@$(BIN)/ruff check .
 	@$(BIN)/ruff format --check .
 	@$(BIN)/pyright
-	@$(BIN)/python -m cmtof_book.pairs --check
+	@$(BIN)/python -m pytest tests/book/test_tools.py -k pairs
 	@! grep -nEf tools/words.txt README.md CONTRIBUTING.md book/*.md notebooks/*.py \
 		$$(git ls-files 'src/*.py') || { echo "Words to replace (tools/words.txt)." >&2; exit 1; }
 

@@ -36,36 +36,32 @@ class Claim(NamedTuple):
 
     @property
     def why(self) -> str:
-        """Why the claim has this outcome, in one line."""
+        """Why the claim has this outcome, in one line, with names if its numbers differ in it."""
         behind = [one for one in self.scores if one.verdict == self.outcome]
         if self.outcome == "untested":
-            return behind[0].reason
+            return behind[0].untested
         told = ", ".join(
             dict.fromkeys(one.short for score in behind for one in score.differing)
         )
         if told and self.outcome == "reproduced":
             return f"It holds although {told} differ or are not stated."
-        lines = self.left_open(behind)
-        if told:
-            lines.append(f"Different or not stated: {told}.")
-        return " ".join(lines) or behind[0].number.depends[0].ours
-
-    def left_open(self, behind: Iterable[Score]) -> list[str]:
-        """Sentences on what our numbers leave undecided, with names if a claim has several."""
         names = defaultdict(list)
         for one in behind:
             names[one.undecided].append(self.about["keys"][one.number.key])
-        return [
+        lines = [
             sentence(f"{' and '.join(called)}: {text}".removeprefix(": "))
             for text, called in names.items()
             if text
         ]
+        if told:
+            lines.append(f"Different or not stated: {told}.")
+        return " ".join(lines) or behind[0].number.depends[0].ours
 
     @property
     def dependencies(self) -> dict[str, bool]:
         """Whether each thing on which the numbers depend is the paper's, by a text on ours."""
         held = {}
-        for score in sorted(self.scores, key=lambda one: not one.chapter):
+        for score in self.scores:
             for one in score.number.depends:
                 is_papers = score.has_papers(one)
                 if one.name != "sizes" or not is_papers:  # they are the book's own

@@ -19,7 +19,6 @@ from typing import Any
 # internationalised URIs for seconds; it does without when there is none
 sys.modules["rfc3987_syntax"] = None  # pyright: ignore[reportArgumentType]
 
-import nbformat  # noqa: E402
 import papermill  # noqa: E402
 from papermill.exceptions import PapermillExecutionError  # noqa: E402
 
@@ -33,17 +32,25 @@ LIBRARIES = ("numpy", "scipy", "numba", "scikit-image", "sympy", "xarray", "matp
 
 def execute(script: Path, parameters: Fields, result: Path) -> None:
     """Run a notebook; ``result`` shows how far it came."""
-    nbformat.write(notebook_from_script(script), result)
+    notebook = notebook_from_script(script)
     defaults = {
-        name: one["default"] for name, one in papermill.inspect_notebook(result).items()
+        name: one["default"]
+        for name, one in papermill.inspect_notebook(notebook).items()
     }
     if unknown := parameters.keys() - defaults:  # a misspelt size would be ignored
         raise ValueError(
             f"Expected parameters of {script.name} ({', '.join(sorted(defaults))}), got "
             f"{', '.join(sorted(unknown))}. Correct P or configs/{parameters['profile']}.yml."
         )
+    # what the last block of the page tells about this run, beside papermill's own notes
+    notebook.metadata["cmtof"] = {
+        "parameters": {**defaults, **parameters},
+        "version": metadata.version("cmtof"),
+        "commit": subprocess.getoutput(COMMIT),
+        "libraries": {name: metadata.version(name) for name in LIBRARIES},
+    }
     executed: Any = papermill.execute_notebook(
-        result,
+        notebook,
         result,
         parameters=parameters,
         kernel_name="python3",
@@ -51,14 +58,6 @@ def execute(script: Path, parameters: Fields, result: Path) -> None:
         progress_bar=False,
         start_timeout=600,  # s; a busy machine takes more than the usual minute
     )
-    # what the last block of the page tells about this run, beside papermill's own notes
-    executed.metadata["cmtof"] = {
-        "parameters": {**defaults, **parameters},
-        "version": metadata.version("cmtof"),
-        "commit": subprocess.getoutput(COMMIT),
-        "libraries": {name: metadata.version(name) for name in LIBRARIES},
-    }
-    nbformat.write(executed, result)
     print(
         f"{script.stem}: {executed.metadata.papermill.duration:.1f} s", file=sys.stderr
     )
@@ -69,4 +68,4 @@ if __name__ == "__main__":
     try:
         execute(Path(SCRIPT), json.loads(GIVEN), Path(RESULT))
     except (PapermillExecutionError, ValueError) as error:
-        sys.exit(f"{SCRIPT}: {error}\nThe notebook as far as it came: {RESULT}")
+        sys.exit(f"{SCRIPT}: {error}\nThe run as far as it came: {Path(RESULT).parent}")

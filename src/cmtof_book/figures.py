@@ -12,7 +12,7 @@ from pathlib import Path
 import typer
 
 from cmtof_book.provenance import read_json, write_json
-from cmtof_book.record import PAPER, TEXT, read_all
+from cmtof_book.record import read_all
 from cmtof_book.scoreboard import accepted_scores, scores_in
 
 SUFFIXES = {".svg", ".png", ".json"}
@@ -22,11 +22,11 @@ def main(results: Path, figures: Path) -> None:
     """Make ``figures`` hold the figures of the chapters' folders in ``results``, and the scores."""
     drawn = {
         file.name: file
-        for file in results.glob("*/*")
-        if file.suffix in SUFFIXES and file.stem not in (PAPER, TEXT)
+        for file in results.glob("*/*_*")  # other records have plain names
+        if file.suffix in SUFFIXES
     }
-    for file in figures.iterdir():
-        if file.suffix in SUFFIXES and file.name not in drawn:
+    for file in figures.glob("*_*"):
+        if file.name not in drawn:
             file.unlink()
     for name, file in sorted(drawn.items()):
         if (source_of(figures / name), source_of(file)) != ("measured", "simulated"):

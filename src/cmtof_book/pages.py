@@ -1,6 +1,5 @@
 """Generated pages of the book: each is a template of ``templates``, filled with values."""
 
-from html import escape
 from typing import Any
 
 from jinja2 import Environment, PackageLoader, StrictUndefined
@@ -14,11 +13,7 @@ TEMPLATES = Environment(
     lstrip_blocks=True,
     keep_trailing_newline=True,
 )
-TEMPLATES.filters |= {
-    "ours": result_text,
-    "published": published_text,
-    "quoted": escape,
-}
+TEMPLATES.filters |= {"ours": result_text, "published": published_text}
 
 
 def page(template: str, **values: Any) -> str:

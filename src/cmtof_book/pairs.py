@@ -3,7 +3,6 @@
 What is folded on the page is folded in JupyterLab too.
 
 python -m cmtof_book.pairs          write each .ipynb that is missing or differs
-python -m cmtof_book.pairs --check  only tell, and exit 1 if one is missing or differs
 python -m cmtof_book.pairs --newer  take over what was changed in the .ipynb alone, as by an editor
 """
 
@@ -56,23 +55,16 @@ def take_newer(script: Path) -> None:
             jupytext_cli(["--sync", "--quiet", str(notebook)])
 
 
-def main(mode: str) -> int:
-    """Write, or with ``--check`` only name, each stale pair; give the exit code."""
-    code = 0
+def main(*, newer: bool) -> None:
+    """Write each stale .ipynb, or take over the newer ones."""
     for script in sorted((ROOT / "notebooks").glob("[0-9][0-9]_*.py")):
-        if is_up_to_date(script):
-            continue
-        if mode == "--newer":
+        if newer:
             take_newer(script)
-        elif mode == "--check":
-            print(f"differs: {script.stem}.ipynb")
-            code = 1
-        else:
+        elif not is_up_to_date(script):
             with atomic_output(script.with_suffix(".ipynb")) as part:
                 nbformat.write(notebook_from_script(script), part)
             print(f"written: {script.stem}.ipynb")
-    return code
 
 
 if __name__ == "__main__":
-    sys.exit(main("".join(sys.argv[1:2])))
+    main(newer="--newer" in sys.argv)

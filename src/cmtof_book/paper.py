@@ -6,7 +6,7 @@ A notebook calls `check` for each number of ``paper.yml`` that it touches; the v
 
 import math
 from collections import Counter
-from collections.abc import Iterator, Mapping
+from collections.abc import Mapping
 from functools import cache
 from pathlib import Path
 from typing import Any
@@ -25,34 +25,31 @@ _SIGNS = {"eq": "", "approx": "≈ ", "lt": "< ", "gt": "> "}
 
 @cache
 def published_numbers() -> dict[str, Published]:
-    """Every published number by its key, in the order of the paper."""
+    """Every published number by its key, in the order of the paper.
+
+    A row of a table has a number for each column, with key ``row.column``.
+    """
+    numbers = {}
     document = yaml.safe_load(Path(__file__).with_name("paper.yml").read_bytes())
-    return {
-        one.key: one
-        for name, held in document.items()
-        if name[0] != "_"
-        for one in _numbers_of(name, held)
-    }
-
-
-def _numbers_of(name: str, held: Fields) -> Iterator[Published]:
-    """Published numbers of an entry: one, or one for each column, with key ``entry.column``."""
-    columns = held.get("columns", {"": ""})
-    values = np.atleast_1d(held["value"]).tolist()
-    for (column, title), value in zip(columns.items(), values, strict=True):
-        allowed = (
-            abs(value) * size if kind == "relative" else size
-            for kind, size in held["tolerance"].items()
-        )
-        yield Published(
-            **held
-            | {
-                "key": f"{name}.{column}".rstrip("."),
+    for name, held in document.items():
+        if name.startswith("_"):  # only referred to
+            continue
+        columns = held.get("columns", {"": ""})
+        values = np.atleast_1d(held["value"]).tolist()
+        for (column, title), value in zip(columns.items(), values, strict=True):
+            allowed = (
+                abs(value) * size if kind == "relative" else size
+                for kind, size in held["tolerance"].items()
+            )
+            key = f"{name}.{column}".rstrip(".")
+            own = {
+                "key": key,
                 "value": value,
                 "what": f"{held['what']}, {title}".rstrip(", "),
                 "tolerance": min(allowed),
             }
-        )
+            numbers[key] = Published(**held | own)
+    return numbers
 
 
 def published_number(key: str) -> Published:
@@ -74,9 +71,8 @@ def check(
     if isinstance(value, Compared):
         found = value.record()
         given = value.value + 1.96 * (value.error or 0.0) * np.array([0, -1, 1])
-    score = Score.of(
-        published_number(key), given, profile=provenance.RUN["profile"], crops=crops
-    )
+    profile = str(provenance.RUN["profile"])
+    score = Score(published_number(key), given, profile, crops)
     found |= {"cases": score.cases, "verdict": score.verdict, "crops": crops}
     record.add(record.PAPER, {key: found})
 

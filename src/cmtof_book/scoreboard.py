@@ -14,6 +14,8 @@ from itertools import groupby
 from pathlib import Path
 from string import ascii_lowercase
 
+import numpy as np
+
 from cmtof.types import Fields
 from cmtof_book import pages
 from cmtof_book.paper import published_numbers
@@ -23,12 +25,10 @@ from cmtof_book.verdict import RANK, Score
 Scores = dict[str, Score]  # all published numbers with our results, by key
 
 GROUPS = {"table": "Table", "fig": "Figure", "abstract": "Abstract", "sec": "Section"}
-ITEMS = {"Figure": 16, "Table": 4, "Equation": 20}  # how many of each the paper has
-
-# What was drawn; or checked, if it is a number of a table.
-DRAWN = re.compile(r"^(fig(?=\d+_)|table)(\d+)[_.]", re.MULTILINE)
-
-NUMBERED = re.compile(r"\\tag\{(\d+)\}")
+# What the paper has by the word before its number, and how many: figures and tables that were
+# drawn, or checked, if it is a number of a table; equations that bear their number.
+ITEMS = {"fig": ("Figure", 16), "table": ("Table", 4), r"\tag{": ("Equation", 20)}
+REACHED = re.compile(r"(^fig(?=\d+_)|^table(?=\d+[_.])|\\tag\{(?=\d+\}))(\d+)")
 
 SPAN = 30  # greatest ratio that is drawn, and its inverse
 SHOWN = ("reproduced", "contradicted", "open")
@@ -38,14 +38,13 @@ def scores_in(records: Sequence[Record]) -> Scores:
     """Every published number with the result of the first chapter that checked it."""
     scores = {key: Score(number, {}) for key, number in published_numbers().items()}
     for record in reversed(records):
-        for key, held in record.numbers.items() if record.name == PAPER else ():
-            scores[key] = Score(
-                scores[key].number,
-                held["cases"],
-                profile=record.content["provenance"]["profile"],
-                crops=held["crops"],
-                chapter=record.chapter,
-            )
+        if record.name == PAPER:
+            about = {
+                "profile": record.content["provenance"]["profile"],
+                "chapter": record.chapter,
+            }
+            for key, held in record.numbers.items():
+                scores[key] = Score(scores[key].number, **held | about)
     return scores
 
 
@@ -84,26 +83,18 @@ def accepted_scores(scores: Scores) -> Fields:
 
 
 def sections(scores: Scores) -> Iterator[Fields]:
-    """Tables, figures and sections of the paper: title, numbers, and the notes below them."""
+    """Tables, figures and sections of the paper: title, numbers, and letters for their notes."""
     for kind, title in GROUPS.items():
         chosen = [key for key in scores if key.startswith(kind)]
         for group, keys in groupby(chosen, lambda key: key.partition(".")[0]):
             numbers = [scores[key] for key in keys]
-            texts = filter(None, dict.fromkeys(map(note, numbers)))
-            notes = dict(zip(texts, ascii_lowercase, strict=False))
+            notes = filter(None, dict.fromkeys(one.note for one in numbers))
             yield {
                 "title": f"{title} {group.removeprefix(kind)}".strip(),
                 "counts": counts(numbers),
-                "rows": [(one, notes.get(note(one))) for one in numbers],
-                "notes": notes,
+                "numbers": numbers,
+                "notes": dict(zip(notes, ascii_lowercase, strict=False)),
             }
-
-
-def note(score: Score) -> str:
-    """Everything that is to be said about a number under its table."""
-    number = score.number
-    erratum = f"Erratum {number.erratum}." if number.erratum else ""
-    return " ".join(filter(None, (score.reason, number.note, score.deciding, erratum)))
 
 
 def picture(scores: Scores) -> str:
@@ -117,8 +108,7 @@ def picture(scores: Scores) -> str:
 
 def _across(ratio: float) -> float:
     """Place of a ratio on a log scale: 50 for 1, 98 for `SPAN` or more, 2 for 1/`SPAN` or less."""
-    held = min(max(ratio, 1 / SPAN), SPAN)
-    return round(50 + 48 * math.log(held, SPAN), 1)
+    return round(50 + 48 * math.log(np.clip(ratio, 1 / SPAN, SPAN), SPAN), 1)
 
 
 def coverage(
@@ -129,13 +119,15 @@ def coverage(
     A figure stands where ``figNN_*`` was drawn, a table where ``tableN_*`` was drawn or its numbers
     were checked, an equation where it bears its number. ``notebooks`` are the chapters.
     """
+    held = [(one.stem, one.read_text("utf-8")) for one in notebooks]
+    for one in records:
+        held += [(one.chapter, name) for name in (one.name, *one.numbers)]
     found = defaultdict(set)
-    for record in records:
-        names = record.numbers if record.name == PAPER else [record.name]
-        for kind, number in DRAWN.findall("\n".join(names)):
-            found[f"{GROUPS[kind]} {int(number)}"].add(record.chapter)
-    for notebook in notebooks:
-        for number in NUMBERED.findall(notebook.read_text("utf-8")):
-            found[f"Equation {number}"].add(notebook.stem)
-    items = (f"{kind} {n + 1}" for kind, count in ITEMS.items() for n in range(count))
-    return {item: sorted(found[item]) for item in items}
+    for chapter, text in held:
+        for kind, number in REACHED.findall(text):
+            found[kind, int(number)].add(chapter)
+    return {
+        f"{title} {n}": sorted(found[kind, n])
+        for kind, (title, count) in ITEMS.items()
+        for n in range(1, count + 1)
+    }

@@ -43,20 +43,6 @@ LIMITS = {
 Size = tuple[str, str, float]  # where, what, and its value
 
 
-def code_lines(source: str, nodes: list[ast.AST]) -> int:
-    """Number of lines that are not blank, comment or docstring."""
-    used = {
-        number
-        for number, line in enumerate(source.splitlines(), 1)
-        if re.match(r"\s*[^\s#]", line)
-    }
-    for node in nodes:
-        match node:
-            case ast.Expr(value=ast.Constant(value=str())):
-                used.difference_update(lines_of(node))
-    return len(used)
-
-
 def lines_of(statement: ast.stmt) -> range:
     """Numbers of a statement's lines."""
     return range(statement.lineno, (statement.end_lineno or 0) + 1)
@@ -76,21 +62,28 @@ def sizes_of(function: ast.FunctionDef, place: str) -> Iterator[Size]:
 
 
 def sizes_in(path: Path, total: Counter) -> Iterator[Size]:
-    """Sizes of a module and its functions that have a limit; its nodes are added to ``total``."""
-    source = path.read_text("utf-8")
-    nodes = [*ast.walk(ast.parse(source))]
-    code = code_lines(source, nodes)
-    total.update(nodes=len(nodes), code=code)
+    """Sizes of a module and its functions that have a limit; what a part has is added to ``total``.
+
+    A code line is one that is not blank, comment or docstring.
+    """
     name = str(path.relative_to(ROOT))
-    yield name, "density of a module", len(nodes) / max(code, 1)
-    if not name.startswith("notebooks"):
-        yield name, "lines of a module", len(source.splitlines())
+    source = path.read_text("utf-8")
+    lines = source.splitlines()
+    code = {n for n, line in enumerate(lines, 1) if re.match(r"\s*[^\s#]", line)}
+    nodes = [*ast.walk(ast.parse(source))]
     for node in nodes:
-        if isinstance(node, ast.Assign):
-            kinds = {type(node.value), type(node.targets[0])}
-            total.update(assigned=1, packed=kinds == {ast.Tuple})
-        if isinstance(node, ast.FunctionDef):
-            yield from sizes_of(node, f"{name} {node.name}")
+        match node:
+            case ast.Expr(value=ast.Constant(value=str())):
+                code.difference_update(lines_of(node))
+            case ast.Assign(targets=[ast.Tuple(), *_], value=ast.Tuple()):
+                total["packed"] += 1
+            case ast.FunctionDef():
+                yield from sizes_of(node, f"{name} {node.name}")
+        total["assigned"] += isinstance(node, ast.Assign)
+    total.update(nodes=len(nodes), code=len(code))
+    yield name, "density of a module", len(nodes) / max(len(code), 1)
+    if not name.startswith("notebooks"):
+        yield name, "lines of a module", len(lines)
 
 
 def sizes() -> Iterator[Size]:

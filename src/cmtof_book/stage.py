@@ -84,21 +84,15 @@ def put_behind_question(opening: Any, answer: str) -> None:
 def lead_with_figure(notebook: Any) -> None:
     """Move the first figure to behind the introduction; a link stays where text stood between."""
     cells = notebook.cells
-    place = next(
-        (n for n, c in enumerate(cells) if "figure" in c.metadata.get("mystnb", {})), 0
-    )
-    texts = [cell for cell in cells[:place] if cell.cell_type == "markdown"]
-    if texts:
-        figure = cells.pop(place)
-        cells.insert(1, figure)
-        if texts[1:]:
-            name = figure.metadata["mystnb"]["figure"]["name"]
-            cells.insert(
-                place + 1,
-                new_markdown_cell(
-                    f"See {{numref}}`{name}` at the head of this chapter."
-                ),
-            )
+    for place, cell in enumerate(cells):
+        if figure := cell.metadata.get("mystnb", {}).get("figure"):
+            texts = [one for one in cells[1:place] if one.cell_type == "markdown"]
+            if texts:
+                link = f"See {{numref}}`{figure['name']}` at the head of this chapter."
+                cells.insert(place, new_markdown_cell(link))
+            cells.remove(cell)
+            cells.insert(1, cell)
+            return
 
 
 def join_folded(notebook: Any) -> None:

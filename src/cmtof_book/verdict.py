@@ -7,9 +7,10 @@ or *changed*. What nobody can compare is *untested*.
 
 from collections import defaultdict
 from collections.abc import Mapping, Sequence
-from typing import Any, Literal, NamedTuple
+from typing import Annotated, Literal, NamedTuple
 
 import numpy as np
+from pydantic import BeforeValidator
 from pydantic.dataclasses import dataclass
 
 # on which the paper's networks were trained: 1000 epochs of 500 (Sec. 8.1)
@@ -85,28 +86,29 @@ class Published:
         return "inside" if near and high - low <= widest else "undecided"
 
 
+def _finite_cases(value: Value | Mapping[str, Value]) -> dict[str, list[float]]:
+    """Finite numbers by their case, each with the ends of its interval."""
+    given = value if isinstance(value, Mapping) else {"": value}
+    return {
+        case: np.broadcast_to(one, 3).tolist()
+        for case, one in given.items()
+        if np.isfinite(one).all()
+    }
+
+
 @dataclass(frozen=True)
 class Score:
-    """A published number beside ours, by case, and what follows from the two."""
+    """A published number beside ours, and what follows from the two.
+
+    ``cases`` are our numbers as a notebook has them: one, with the ends of its interval or without,
+    or several by their case. What is not finite is left out.
+    """
 
     number: Published
-    cases: dict[str, OwnNumber]
+    cases: Annotated[dict[str, OwnNumber], BeforeValidator(_finite_cases)]
     profile: str = "book"
     crops: int = 0  # on which the network was trained
     chapter: str = ""  # that computed ours
-
-    @classmethod
-    def of(
-        cls, number: Published, value: Value | Mapping[str, Value], **about: Any
-    ) -> "Score":
-        """From one number of ours, or several by their case; what is not finite is left out."""
-        given = value if isinstance(value, Mapping) else {"": value}
-        finite = {
-            case: np.broadcast_to(one, 3).tolist()
-            for case, one in given.items()
-            if np.isfinite(one).all()
-        }
-        return cls(number, finite, **about)
 
     @property
     def places(self) -> dict[str, list[str]]:
@@ -160,21 +162,19 @@ class Score:
         return "; ".join(told).strip()
 
     @property
-    def reason(self) -> str:
-        """What stands behind the verdict: what is undecided, and what is not the paper's."""
+    def note(self) -> str:
+        """What stands behind the verdict, and what would decide an open one."""
+        number = self.number
+        said = [sentence(self.undecided), *map(self.ours, self.differing)]
         if self.untested or self.verdict == "changed":
-            return self.untested or self.number.changed
-        return " ".join(
-            filter(None, [sentence(self.undecided), *map(self.ours, self.differing)])
-        )
-
-    @property
-    def deciding(self) -> str:
-        """What would decide an open number."""
-        found = [one.decides for one in self.differing]
-        if self.verdict != "open" or not found:
-            return ""
-        return f"It would be decided by: {'; '.join(found)}."
+            said = [self.untested or number.changed]
+        said.append(number.note)
+        if self.verdict == "open" and self.differing:
+            deciding = "; ".join(one.decides for one in self.differing)
+            said.append(f"It would be decided by: {deciding}.")
+        if number.erratum:
+            said.append(f"Erratum {number.erratum}.")
+        return " ".join(filter(None, said))
 
 
 def sentence(text: str) -> str:

@@ -54,21 +54,27 @@ def draw(folder, stem, *, drawing="<svg/>", **numbers):
 def test_accepted_figures_follow_the_build_and_keep_measured_data(tmp_path):
     results = tmp_path / "results"
     accepted = tmp_path / "figures"
-    draw(results / "01", "new")
-    draw(results / "08", "scan", source="simulated", drawing="rehearsal")
+    draw(results / "01", "wall_new")
+    draw(results / "08", "wall_scan", source="simulated", drawing="rehearsal")
     checked = {
         "numbers": {"sec8.gain": {"cases": {"": [20, 20, 20]}, "crops": 0}},
         "provenance": {"profile": "ci", "seed": 0, "version": "1"},
     }
     (results / "01" / "paper.json").write_text(json.dumps(checked))
-    draw(accepted, "old")
-    draw(accepted, "scan", source="measured", drawing="real")
+    draw(accepted, "wall_old")
+    draw(accepted, "wall_scan", source="measured", drawing="real")
     figures.main(results, accepted)
     kept = {path.name for path in accepted.iterdir()}
-    assert kept == {"new.json", "new.svg", "scan.json", "scan.svg", "scoreboard.json"}
+    assert kept == {
+        "wall_new.json",
+        "wall_new.svg",
+        "wall_scan.json",
+        "wall_scan.svg",
+        "scoreboard.json",
+    }
     scores = json.loads((accepted / "scoreboard.json").read_text())
     assert scores["numbers"]["sec8.gain"]["verdict"] == "as stated"
-    assert (accepted / "scan.svg").read_text() == "real"
+    assert (accepted / "wall_scan.svg").read_text() == "real"
 
 
 def test_tables_count_once_and_are_not_edited(tmp_path, monkeypatch, capsys):
