@@ -1,10 +1,10 @@
 """Counts of right pixels in unwrapped measurements, kept in a file: none is computed twice."""
 
-from collections.abc import Callable, Iterable
+from collections.abc import Callable, Iterable, Sequence
 from pathlib import Path
 from typing import Any
 
-from cmtof import unwrap
+from cmtof import __version__, unwrap
 from cmtof.evaluation import Tally, scored_pixels
 from cmtof.measurement import Measurement
 from cmtof.types import Fields
@@ -12,20 +12,23 @@ from cmtof_book.provenance import read_json, write_json
 
 
 class Counts:
-    """What was counted, in a file of JSON that is written after each count."""
+    """What a module counted, in a JSON file of its name that is written after each count."""
 
     def __init__(self, path: Path) -> None:
         self.path = path
         self.held = read_json(path)
+        self.store(command=f"python -m cmtof_book.{path.stem}", version=__version__)
 
-    def keep(self, *keys: str, of: Callable[[], Any]) -> Any:
-        """Value below some keys of the file, computed by ``of`` and stored if it is missing."""
+    def keep(
+        self, keys: Sequence[str], count: Callable, *given: Any, **how: Any
+    ) -> Any:
+        """Value below some keys of the file, counted from what is given if it is missing."""
         *above, last = keys
         place = self.held
         for key in above:
             place = place.setdefault(key, {})
         if last not in place:
-            place[last] = of()
+            place[last] = count(*given, **how)
             print(*keys, place[last], flush=True)
             self.store()
         return place[last]

@@ -4,25 +4,26 @@
 
 A pixel of confidence c has the set of wraps up to q (1 - c) / c from its own. Here q is computed
 from rooms of one seed, for `cmtof.estimate.SETS`, and the sets are counted on rooms of another, on
-uneven ones, and on scans of `cmtof_book.scanned`, in the same folder. On some of these, steps of
-`surfaces` are left out in turn. Everything is simulated.
+uneven ones, and on scans of `cmtof_book.scanned`; ``coverage.yml`` lists all conditions. Under some
+of these, steps of `surfaces` are left out in turn. Everything is simulated.
 """
 
 from collections.abc import Iterable, Iterator
 from dataclasses import replace
-from functools import partial
-from itertools import islice, product
+from itertools import islice
+from pathlib import Path
 from typing import Any
 
 import numpy as np
 import pandas as pd
 from scipy.ndimage import gaussian_filter
 
-from cmtof import __version__, simulate, unwrap
+from cmtof import simulate, unwrap
 from cmtof.constants import FREQUENCIES
 from cmtof.correlation import wrap_length
 from cmtof.estimate import SETS
 from cmtof.evaluation import COVERAGE, scored_pixels
+from cmtof.files import read_document
 from cmtof.frame import Frame
 from cmtof.measurement import Measurement
 from cmtof.simulation import staged_depth
@@ -34,41 +35,14 @@ from cmtof_book.counts import Counts, counts_of
 from cmtof_book.scanned import SHOWN, kept_scan
 from cmtof_rooms.held_out import views
 
-# Options of the simulation; the first four calibrate.
-CONDITIONS: dict[str, Fields] = {
-    "released, σ = 300": {"noise": 300.0},
-    "released, σ = 1200": {"noise": 1200.0},
-    "released, σ = 2000": {"noise": 2000.0},
-    "full, σ = 1200": {"protocol": "full"},
-    "full, σ = 1200, camera unknown": {"protocol": "full"},
-    "full, σ = 1200, 10 mrad off": {"protocol": "full", "phase_offset": (0.0, 0.01)},
-}
-# Whether walls have waves of 0.02 to 0.3 wraps, 8 to 50 px wide, or 0.12 wraps a pixel.
-UNEVEN = {
-    "released, σ = 1200, waves": True,
-    "released, σ = 1200, waves, camera unknown": True,
-    "released, σ = 1200, rough": False,
-}
-SCANS = {"scans, photon": "photon", "scans, captures": "captures"}  # and their noise
-USUAL = ("released, σ = 1200", "full, σ = 1200")
-# Conditions under which the sets of a method are counted.
-CHECKED = {
-    "surfaces": (*CONDITIONS, *UNEVEN, *SCANS),
-    "hybrid": USUAL,
-    "reference-contact": (*USUAL, *UNEVEN),
-}
-ABLATED = (
-    *USUAL,
-    "full, σ = 1200, 10 mrad off",
-    "released, σ = 1200, waves",
-    "scans, captures",
-)
+CONDITIONS = read_document(Path(__file__).with_name("coverage.yml"))
 
 
 def calibrate_sets() -> Values:
     """Half-width of each set of `SETS` over the odds against a pixel's own wrap, from 80 views."""
     frames = [*islice(views(301, tested=False), 80)]
-    seen = zip(*(measurements(one, frames) for one in [*CONDITIONS][:4]), strict=True)
+    chosen = [name for name, one in CONDITIONS.items() if one.get("calibrates")]
+    seen = zip(*(measurements(name, frames) for name in chosen), strict=True)
     scores = [np.concatenate([*map(scores_of, room)]) for room in seen]
     return {name: conformal_quantile(scores, int(name[-2:]) / 100) for name in SETS}
 
@@ -81,29 +55,31 @@ def scores_of(measurement: Measurement) -> Array:
     return (off * sure / (1 - sure))[::16]
 
 
-def with_uneven_walls(frame: Frame, number: int, waves: bool) -> Frame:
-    """The frame as the released protocol scales it, with uneven walls."""
+def with_uneven_walls(frame: Frame, number: int, kind: str) -> Frame:
+    """The frame as the released protocol scales it, with walls that are rough or have waves."""
     rng = np.random.default_rng(number)
     tones = np.array(FREQUENCIES)
     depth = staged_depth(frame.depth, protocol="released", frequencies=tones)[0]
     off = rng.standard_normal(depth.shape)
     size = 0.12
-    if waves:
+    if kind == "waves":
         size, width = np.exp(rng.uniform(*np.log([(0.02, 8.0), (0.3, 50.0)])))
         off = gaussian_filter(off, width / 2)
     return replace(frame, depth=depth + wrap_length(tones[0]) * size / off.std() * off)
 
 
-def measurements(condition: str, frames: Iterable[Frame]) -> Iterator[Measurement]:
-    """Measurements under a condition: of the frames or, for `SCANS`, of scanned scenes."""
-    if condition in SCANS:
-        yield from (kept_scan(name, SCANS[condition]) for name in SHOWN)
+def measurements(name: str, frames: Iterable[Frame]) -> Iterator[Measurement]:
+    """Measurements under a condition: of the frames or of scanned scenes."""
+    condition = CONDITIONS[name]
+    if "scans" in condition:
+        yield from (kept_scan(scene, condition["scans"], seed=0) for scene in SHOWN)
         return
     for number, frame in enumerate(frames):
-        if condition in UNEVEN:
-            frame = with_uneven_walls(frame, number, UNEVEN[condition])
-        seen = simulate(frame, frame_number=number, **CONDITIONS.get(condition, {}))
-        if "unknown" in condition:
+        if "uneven" in condition:
+            frame = with_uneven_walls(frame, number, condition["uneven"])
+        options = condition.get("simulated", {})
+        seen = simulate(frame, frame_number=number, **options)
+        if not condition.get("camera", True):
             seen = Measurement(seen.dataset.drop_vars("camera"))
         yield seen
 
@@ -122,17 +98,15 @@ def shares(seen: Iterable[Measurement], **how: Any) -> Fields:
 def main() -> None:
     """Compute what is missing, and store it."""
     counts = Counts(RESULTS / "coverage.json")
-    counts.store(command="python -m cmtof_book.coverage", version=__version__)
-    counts.keep("half-widths", of=calibrate_sets)
+    counts.keep(["half-widths"], calibrate_sets)
     frames = [*islice(views(613, tested=False), 40)]
-    for method, conditions in CHECKED.items():
-        for one in conditions:
-            seen = measurements(one, frames)
-            of = partial(shares, seen, method=method)
-            counts.keep("checked", method, one, of=of)
-    for one, step in product(ABLATED, STEPS):
-        seen = measurements(one, frames)
-        counts.keep("without", step, one, of=partial(shares, seen, without={step}))
+    for name, condition in CONDITIONS.items():
+        for method in condition["methods"]:
+            seen = measurements(name, frames)
+            counts.keep(("checked", method, name), shares, seen, method=method)
+        for step in STEPS if condition.get("ablated") else ():
+            seen = measurements(name, frames)
+            counts.keep(("without", step, name), shares, seen, without={step})
 
 
 if __name__ == "__main__":

@@ -30,13 +30,10 @@ say = partial(_show, "text")
 answer = partial(_show, "answer")
 
 
-def table(
-    head: Sequence[str], rows: Iterable[Sequence[object]], *, fold: str = ""
-) -> None:
+def table(head: Sequence[str], rows: Iterable[Sequence[object]]) -> None:
     """Show a table of texts under the cell; columns of numbers but the first are right-aligned.
 
-    Powers of ten and minus signs are set as such, and a comparison stays on one line. A long table
-    may ``fold`` under a title.
+    Powers of ten and minus signs are set as such, and a comparison stays on one line.
     """
     from IPython.display import Markdown, display
 
@@ -48,10 +45,8 @@ def table(
         for column in zip(*texts, strict=True)
     ]
     lines = (titles, [":--", *sides[1:]], *texts)
-    text = replaced("\n".join(f"| {' | '.join(line)} |" for line in lines), TYPESET)
-    if fold:
-        text = f"<details><summary>{fold}</summary>\n\n{text}\n\n</details>"
-    display(Markdown(text))
+    text = "\n".join(f"| {' | '.join(line)} |" for line in lines)
+    display(Markdown(replaced(text, TYPESET)))
 
 
 def replaced(text: str, rules: Texts) -> str:

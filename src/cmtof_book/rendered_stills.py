@@ -79,7 +79,7 @@ def _piece(rng: Generator) -> Fields:
         "look": np.exp(rng.uniform(-3.2, -0.15)),
         "mirrored": rng.choice(MADE_UP["mirrored"]),
         "turn": rng.uniform(-np.pi, np.pi),
-        "at": rng.uniform([-0.1, -0.08, 0], [0.1, 0.08, 0.2]),
+        "at": rng.uniform(*MADE_UP["at"]),
     }
     if rng.uniform() < 0.5:
         kind = rng.choice(list(SIZES))
@@ -105,6 +105,6 @@ def _profile(rng: Generator) -> Array:
 
 def _opening(rng: Generator) -> tuple:
     """An opening of a body, as ``objects.yml`` states those of the helmet."""
-    middle = rng.uniform([0, 0.02], [0.08, 0.24])
-    half = np.exp(rng.uniform([-5.8, -5.3], [-3.5, -3.2]))
+    *middle, width, height = rng.uniform(*MADE_UP["openings"])
+    half = np.exp([width, height])
     return (*middle, *half, *rng.choice([2, 4], 2), rng.normal(0, 0.2))

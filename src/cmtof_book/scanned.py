@@ -2,29 +2,29 @@
 
     python -m cmtof_book.scanned
 
-Everything is simulated. Scans go to build/scanned; what is there, or among the stored rates, is not
-computed again. Rates and fine-tuned weights go where the chapters read them: book/results. What is
-taken out of book/results/scanned.json or book/results/scanned is counted or trained again.
+Everything is simulated. Still lifes go to build/scanned; what is there, or among the stored rates,
+is not computed again. Rates and fine-tuned weights go where the chapters read them: book/results.
+What is taken out of book/results/scanned.json or book/results/scanned is counted or trained again.
 """
 
 import gc
-from collections.abc import Callable, Iterable, Iterator
-from functools import partial
+from collections.abc import Iterable, Iterator
+from functools import lru_cache
 from itertools import chain, product
 from pathlib import Path
 from typing import Any
 
 import numpy as np
+import xarray as xr
 
 import cmtof
-from cmtof import __version__
 from cmtof.constants import FREQUENCIES
 from cmtof.correlation import wrap_length
 from cmtof.frame import Frame
 from cmtof.measurement import Measurement
 from cmtof.network.weights import read_card, weights_path
 from cmtof.simulation import QUADRATURES, RELEASED_WRAPS
-from cmtof.types import Fields, Named
+from cmtof.types import Fields
 from cmtof_book import RESULTS
 from cmtof_book.counts import Counts, counts_of
 from cmtof_book.rendered_stills import labelled, rendered_still
@@ -34,7 +34,7 @@ from cmtof_lab.rehearsal import scan_scene
 from cmtof_lab.settings import NOISE, TwinSettings
 from cmtof_lab.targets import MeshTarget, Plane, Target, scene_from
 
-FOLDER = Path("build/scanned")  # of the scans
+FOLDER = Path("build/scanned")  # of still lifes, and of weights between legs
 TUNED = RESULTS / "scanned"  # folder of the fine-tuned weights
 
 SHOWN = ("bust", "helmet", "owl", "table")
@@ -64,7 +64,7 @@ METHODS = (
     "fast-scnn",
 )
 # Methods that are counted at the photon limit with stray light, too
-STRAY = ("kde", "surfaces")
+STRAY = ("stray kde", "stray surfaces")
 # A reference, which knows the shape of every surface and which of them touch.
 TOLD = ("reference-contact",)
 
@@ -87,11 +87,12 @@ LEGS = (
 )
 
 NETWORK = "fast-scnn"
-# Rows with the fine-tuned weights, and their methods.
+# Rows with fine-tuned weights: their methods, and after how many legs.
 TUNED_ROWS = {
-    "tuned": NETWORK,
-    "tuned mirrored": "fast-scnn-mirrored",
-    "tuned hybrid": "hybrid",
+    "rendered": (NETWORK, 4),
+    "tuned": (NETWORK, 8),
+    "tuned mirrored": ("fast-scnn-mirrored", 8),
+    "tuned hybrid": ("hybrid", 8),
 }
 # Options of `cmtof.network.tuning.fine_tune`, on scans and on rendered still lifes.
 TUNING: Fields = {"steps": 600, "learning_rate": 5e-4, "crop": 192, "batch": 2}
@@ -99,63 +100,56 @@ LEARNING: Fields = TUNING | {"steps": 2500}
 
 DEPTH_WEIGHT = 0.005  # weight of the distance in depth, 1/mm, as where the network was trained last
 
-Weights = Callable[[], Path]  # finds the file, or trains it
-Noise = str | float  # one of `cmtof_lab.settings.NOISE`, or a multiple of the captures'
-
+# Settings of the instrument by the name of its noise: some have a multiple of the captures'.
+NOISES = NOISE | {
+    f"{by}": NOISE["captures"]
+    | {"phase_noise": tuple(np.multiply(by, NOISE["captures"]["phase_noise"]))}
+    for by in (0.5, 2.0)
+}
 # Phase noise over that of the captures, and its name.
-LEVELS: dict[str, Noise] = {"0": "photon", "0.5": 0.5, "1": "captures", "2": 2.0}
+LEVELS = {"0": "photon", "0.5": "0.5", "1": "captures", "2": "2.0"}
 
 STRIDES = (1, 2, 4)
 SWEPT = ("bust", "owl")  # scenes of which fewer points and other noise are tried
 
 
-def scan_object(name: str, noise: Noise, **view: Any) -> Measurement:
+def scan_object(name: str, noise: str, **view: Any) -> Measurement:
     """Scan of an object by name, as `scan_target` has it."""
-    return scan_target(
-        scene_from({"kind": "object", "name": name}),
-        noise,
-        field_of_view=FIELD_OF_VIEW[name],
-        **view,
-    )
+    target = scene_from({"kind": "object", "name": name})
+    return scan_target(target, noise, field_of_view=FIELD_OF_VIEW[name], **view)
 
 
 def scan_target(
-    target: Target, noise: Noise, *, size: int = SIZE, stray=False, **view: Any
+    target: Target, noise: str, *, size: int = SIZE, stray=False, **view: Any
 ) -> Measurement:
     """Scan of a target, its ranges optical, among the wraps 36 to 56 of the released protocol.
 
-    The zero of the beat is that of a short scan at the photon limit. Without ``stray`` light: what
-    comes back while a cap covers the beam is taken away.
+    ``noise`` is one of `NOISES`. The zero of the beat is that of a
+    short scan at the photon limit. Without ``stray`` light: what comes back while a cap covers the
+    beam is taken away.
     """
-    noisy = TwinSettings(**noise_settings(noise))
+    noisy = TwinSettings(**NOISES[noise])
     scan = scan_scene(noisy, target, size=size, **view)
     if not stray:
         scan = scan.without_stray_light(scan_scene(noisy, CAP, size=COVERED, **view))
-    data = scan.dataset
     if noise != "photon":
         short = scan_scene(TwinSettings(), target, size=1, **view)
-        data = data.assign(psi=short.dataset["psi"])
-    return Measurement(data).between(*ENDS)
-
-
-def noise_settings(noise: Noise) -> Fields:
-    """Settings of the instrument for a noise by name, or a multiple of the captures'."""
-    if isinstance(noise, str):
-        return NOISE[noise]
-    usual = NOISE["captures"]
-    return {**usual, "phase_noise": tuple(np.multiply(noise, usual["phase_noise"]))}
+        scan = Measurement(scan.dataset.assign(psi=short.dataset["psi"]))
+    return scan.between(*ENDS)
 
 
 def close_pair(scan: Measurement, other: Measurement) -> Measurement:
     """Measurement at two close frequencies, as `phasor` needs it: the single modes of two scans."""
-    both = (scan, other)
-    return Measurement.from_phase(
-        [one.phase[0] for one in both],
-        [one.frequencies[0] for one in both],
-        amplitude=[one.amplitude[0] for one in both],
-        depth=scan.depth,
-        mask=scan.mask,
-    ).between(*scan.range)
+    single = [one.dataset.isel(frequency=[0]) for one in (scan, other)]
+    return Measurement(
+        xr.concat(
+            single,
+            "frequency",
+            data_vars="minimal",
+            coords="minimal",
+            compat="override",
+        )
+    )
 
 
 def four_phases(scan: Measurement) -> Measurement:
@@ -182,49 +176,35 @@ def frame_of(target: Target, scan: Measurement) -> Frame:
     return Frame(hits.range, hits.reflectance, scan.camera)
 
 
-def load_or_make(name: str, made: Callable[[], Measurement]) -> Measurement:
-    """Measurement of a file by name, which is computed if there is none."""
-    path = FOLDER / f"{name}.nc"
-    if not path.exists():
-        made().save(path)
-        gc.collect()  # cycles of meshes, which hold more memory than Python sees
-        print("scanned", name, flush=True)
-    return cmtof.open(path)
-
-
-def kept_scan(
-    name: str, noise: Noise, seed: int = 0, *, kind: str = "scan", **options: Any
-) -> Measurement:
-    """Scan by `scan_object` with options, kept in a file whose name has ``kind`` for options."""
-    return load_or_make(
-        f"{kind}_{name}_{noise}_{seed}",
-        partial(scan_object, name, noise, seed=seed, **options),
-    )
+# one after another, rows of a table read the same scans
+kept_scan = lru_cache(maxsize=32)(scan_object)
 
 
 def examples(numbers: Iterable[int], group: int = 0) -> Iterator[Any]:
-    """Still lifes of a group, scanned or rendered, their wraps, -1 where unknown, and depth, m.
+    """Still lifes of a group, their wraps, -1 where unknown, and depth, m; kept in files.
 
     They come one by one, so that only what is learnt from them is held.
     """
     for number in numbers:
-        make = (
-            partial(rendered_still, number, SIZE)
-            if group == RENDERED
-            else partial(labelled_scan, number, group)
-        )
-        scan = load_or_make(f"still_{group}_{number}", make)
-        yield scan, *(scan.dataset[key].to_numpy() for key in ("wraps", "labels"))
+        path = FOLDER / f"still_{group}_{number}.nc"
+        if not path.exists():
+            still_of_group(number, group).save(path)
+            gc.collect()  # cycles of meshes, which hold more memory than Python sees
+            print(path.stem, flush=True)
+        still = cmtof.open(path)
+        yield still, *(still.dataset[key].to_numpy() for key in ("wraps", "labels"))
 
 
-def labelled_scan(number: int, group: int) -> Measurement:
-    """Scan of a still life of a group of things, with the captures' noise and labels by stereo."""
+def still_of_group(number: int, group: int) -> Measurement:
+    """Still life with labels: rendered, or a scan of a group of things, labelled by stereo."""
+    if group == RENDERED:
+        return rendered_still(number, SIZE)
+
     from cmtof_lab import stereo
 
     rng = np.random.default_rng([number, group])
-    things = rng.permutation((LEARNT, HELD_OUT)[group])
-    things = [OBJECTS[name]["pieces"] for name in things[: 1 + number % 3]]
-    mesh, view = still_life(things, rng)
+    names = rng.permutation((LEARNT, HELD_OUT)[group])[: 1 + number % 3]
+    mesh, view = still_life([OBJECTS[name]["pieces"] for name in names], rng)
     target = MeshTarget.from_mesh(mesh)
     seed = 1000 + 5000 * group + number
     scan = scan_target(target, "captures", field_of_view=view, seed=seed)
@@ -238,8 +218,8 @@ def labelled_scan(number: int, group: int) -> Measurement:
 
 def tuned_weights(scans: int) -> Path:
     """File of the weights trained on rooms and then tuned on labelled scans alone."""
-    path = weights_path(NETWORK, "released", FOLDER / f"tuned_{scans}_1")
-    return trained_leg(path, best_weights(0), examples(range(scans)), seed=1, **TUNING)
+    folder = FOLDER / f"tuned_{scans}_1"
+    return trained(folder, 0, examples(range(scans)), seed=1, **TUNING)
 
 
 def best_weights(legs: int = len(LEGS)) -> Path:
@@ -250,117 +230,99 @@ def best_weights(legs: int = len(LEGS)) -> Path:
     """
     if not legs:
         return weights_path(NETWORK, "released")
-    folder = FOLDER / f"leg_{legs}"
-    path = weights_path(NETWORK, "released", TUNED if legs == len(LEGS) else folder)
+    folder = TUNED if legs == len(LEGS) else FOLDER / f"leg_{legs}"
+    first, last, scans = LEGS[legs - 1]
+    stills = examples(range(first, last), RENDERED)
+    # ten times, or stills would outnumber them
+    both = chain(stills, examples([*range(scans)] * 10))
+    # a number of its own, though a leg with scans learns the still lifes of the one before
+    seed = last // 400 + (scans > 0)
+    return trained(folder, legs - 1, both, mean=scans > 0, seed=seed, **LEARNING)
+
+
+def trained(
+    folder: Path, legs: int, learnt: Iterable[Any], *, mean=False, **options: Any
+) -> Path:
+    """File of weights in a folder; if there is none, those after ``legs`` learn from examples.
+
+    With ``mean`` it holds the mean of both. Options are those of `cmtof.network.tuning.fine_tune`.
+    The learning rate falls to zero; in half precision where the processor can.
+    """
+    path = weights_path(NETWORK, "released", folder)
     if path.exists():
         return path
 
-    from cmtof.network.training import average_into
-    from cmtof.network.weights import load_weights, save_weights
-
-    first, last, scans = LEGS[legs - 1]
-    trained = folder / "trained.safetensors"
-    start = best_weights(legs - 1)
-    among = examples([*range(scans)] * 10)  # ten times, or stills would outnumber them
-    both = chain(examples(range(first, last), RENDERED), among)
-    # a number of its own, though a leg with scans learns the still lifes of the one before
-    trained_leg(trained, start, both, seed=last // 400 + (scans > 0), **LEARNING)
-    mean, card = load_weights(trained)
-    if scans:
-        average_into(mean, load_weights(start).network, step=9, most=0.5)
-    save_weights(path, mean, card)
-    return path
-
-
-def trained_leg(
-    path: Path,
-    start: Path,
-    learnt: Iterable[Any],
-    **options: Any,
-) -> Path:
-    """File of weights, which are trained on examples, starting from others, unless it is there.
-
-    Options are those of `cmtof.network.tuning.fine_tune`. The learning rate falls to zero; in half
-    precision where the processor can.
-    """
     import torch
 
-    from cmtof.network.training import multiplies_bfloat16
+    from cmtof.network import weights
+    from cmtof.network.training import average_into, multiplies_bfloat16
     from cmtof.network.tuning import fine_tune
-    from cmtof.network.weights import load_weights, save_weights
 
-    if not path.exists():
-        trained = load_weights(start)
-        model = trained.network.model
-        trained.network.model = model._replace(depth_weight=DEPTH_WEIGHT)
-        torch.set_num_threads(1)
-        half = multiplies_bfloat16()
-        # without a cache, which would keep the first step's weights for the whole block
-        with torch.autocast("cpu", torch.bfloat16, half, cache_enabled=False):
-            tuned, losses = fine_tune(trained, learnt, **options)
-        path.parent.mkdir(exist_ok=True)
-        save_weights(path, tuned.network, tuned.card)
-        print(path.parent.name, np.mean(losses[-50:]), flush=True)
+    before = weights.load_weights(best_weights(legs))
+    model = before.network.model
+    before.network.model = model._replace(depth_weight=DEPTH_WEIGHT)
+    torch.set_num_threads(1)
+    half = multiplies_bfloat16()
+    # without a cache, which would keep the first step's weights for the whole block
+    with torch.autocast("cpu", torch.bfloat16, half, cache_enabled=False):
+        (network, card), losses = fine_tune(before, learnt, **options)
+    print(folder.name, np.mean(losses[-50:]), flush=True)
+    if mean:  # of weights as files hold them
+        network.load_state_dict(weights.half_precision_weights(network))
+        average_into(network, before.network, step=9, most=0.5)
+    folder.mkdir(exist_ok=True)
+    weights.save_weights(path, network, card)
     return path
 
 
-def wraps_off(
-    scans: Iterable[Measurement], method: str, trained: Weights | None = None
-) -> list:
-    """Of each scan: scored pixels, and how many are off by fewer wraps than 1, 2, 3 and 10.
-
-    ``trained`` finds or trains weights of the method, if it has others than the shipped ones.
-    """
-    options = {"weights": trained()} if trained else {}
-    return [
-        [one["pixels"], *one["below"]]
-        for one in counts_of(scans, method=method, **options)
-    ]
-
-
-def scan_for_row(row: str, name: str, noise: Noise, seed: int) -> Measurement:
+def scan_for_row(row: str, name: str, noise: str, seed: int) -> Measurement:
     """Scan as a row reads it: four phases for `rapid`, two close frequencies for `phasor`."""
-    if row.startswith("stray"):
-        return kept_scan(name, noise, seed, kind="stray", stray=True)
-    scan = kept_scan(name, noise, seed)
+    scan = kept_scan(name, noise, seed=seed, stray=row.startswith("stray"))
     if row == "rapid":
         return four_phases(scan)
     if row == "phasor":
-        return close_pair(
-            scan,
-            kept_scan(name, noise, seed + 100, kind="close", frequency_single=7.16e9),
-        )
+        other = kept_scan(name, noise, seed=seed + 100, frequency_single=7.16e9)
+        return close_pair(scan, other)
     return scan
+
+
+def options_of(row: str) -> Fields:
+    """Options of `cmtof.unwrap` for a row: its method, and weights, trained if need be."""
+    if row in TUNED_ROWS:
+        method, legs = TUNED_ROWS[row]
+        return {"method": method, "weights": best_weights(legs)}
+    if row.endswith(" scans"):
+        return {"method": NETWORK, "weights": tuned_weights(int(row.split()[0]))}
+    return {"method": row.removeprefix("stray ")}
+
+
+def wraps_off(row: str, scans: Iterable[Measurement]) -> list[list[int]]:
+    """Of each scan: scored pixels, and how many are off by fewer wraps than 1, 2, 3 and 10."""
+    counts = counts_of(scans, **options_of(row))
+    return [[one["pixels"], *one["below"]] for one in counts]
 
 
 def validation_rates(legs: int) -> list[float]:
     """Share of right wraps, after ``legs`` of `LEGS`, on each scan of the things held out."""
     scans = (scan for scan, *_ in examples(range(VALIDATED), 1))
-    return [
-        round(right / pixels, 4)
-        for pixels, right, *_ in wraps_off(scans, NETWORK, partial(best_weights, legs))
-    ]
+    counts = counts_of(scans, method=NETWORK, weights=best_weights(legs))
+    return [round(one["below"][0] / one["pixels"], 4) for one in counts]
 
 
-def compare(counts: Counts, noise: str, rows: Named) -> None:
+def compare(counts: Counts, noise: str, rows: Iterable[str]) -> None:
     """Count right wraps by each row's method and weights, on three scans of each shown scene."""
-    for (name, row), scene in product(rows.items(), SHOWN):
-        given = (scan_for_row(name, scene, noise, seed) for seed in SEEDS)
-        counts.keep("counts", noise, name, scene, of=partial(wraps_off, given, *row))
+    for row, scene in product(rows, SHOWN):
+        scans = (scan_for_row(row, scene, noise, seed) for seed in SEEDS)
+        counts.keep(("counts", noise, row, scene), wraps_off, row, scans)
 
 
-def sweep(counts: Counts, rows: Named) -> None:
+def sweep(counts: Counts, row: str, name: str) -> None:
     """Count right wraps at each noise of `LEVELS`, with all, each second and each fourth point."""
-    for level, stride, (name, row) in product(LEVELS, STRIDES, rows.items()):
-        scans = (kept_scan(scene, LEVELS[level]).dataset for scene in SWEPT)
+    for level, stride in product(LEVELS, STRIDES):
+        scans = (kept_scan(scene, LEVELS[level], seed=0).dataset for scene in SWEPT)
         thin = (one.thin(x=stride, y=stride).drop_vars("camera") for one in scans)
-        counts.keep(
-            "sweep",
-            level,
-            str(SIZE // stride),
-            name,
-            of=partial(wraps_off, map(Measurement, thin), *row),
-        )
+        keys = ("sweep", level, str(SIZE // stride), name)
+        counts.keep(keys, wraps_off, row, map(Measurement, thin))
 
 
 def main() -> None:
@@ -368,24 +330,20 @@ def main() -> None:
     FOLDER.mkdir(parents=True, exist_ok=True)
     counts = Counts(RESULTS / "scanned.json")
     for legs in range(len(LEGS) + 1):
-        counts.keep("validation", f"{legs} legs", of=partial(validation_rates, legs))
+        counts.keep(("validation", f"{legs} legs"), validation_rates, legs)
     counts.store(
-        command="python -m cmtof_book.scanned",
-        version=__version__,
         settings={"size": SIZE, "seeds": SEEDS, "baseline": BASELINE},
         legs=LEGS,
         training=[TUNING, LEARNING],
         weights=read_card(best_weights()).sha256,
     )
-    rows: Fields = {name: (name,) for name in (*METHODS, *TOLD)}
-    phasor = rows.pop("phasor")
-    rows |= {name: (method, best_weights) for name, method in TUNED_ROWS.items()}
-    compare(counts, "photon", rows | {f"stray {name}": (name,) for name in STRAY})
-    swept = {name: rows[name] for name in ("kde", *TOLD)}
-    sweep(counts, {NETWORK: rows["tuned"]} | swept)
-    rows |= {"phasor": phasor, "rendered": (NETWORK, partial(best_weights, 4))}
-    rows |= {f"{n} scans": (NETWORK, partial(tuned_weights, n)) for n in CURVE}
-    compare(counts, "captures", rows)
+    rows = [*METHODS, *TOLD, *TUNED_ROWS]
+    compare(counts, "captures", [*rows, *(f"{n} scans" for n in CURVE)])
+    clear = [row for row in rows if row not in ("phasor", "rendered")]
+    compare(counts, "photon", [*clear, *STRAY])
+    sweep(counts, "tuned", NETWORK)
+    for row in ("kde", *TOLD):
+        sweep(counts, row, row)
 
 
 if __name__ == "__main__":

@@ -12,7 +12,7 @@ the phases of the two frequencies, mrad (Table 3). The file is named by table an
 
 import json
 import os
-from collections.abc import Iterable, Iterator, Sequence
+from collections.abc import Iterable, Sequence
 from pathlib import Path
 from typing import Annotated, Literal, NamedTuple
 
@@ -43,34 +43,31 @@ class Row(NamedTuple):
     file: Path
 
     @property
-    def weights(self) -> str:
-        """Hash of the weights, or ''."""
-        return read_card(self.file).sha256 if self.file.is_file() else ""
-
-    def is_counted(self, held: Fields) -> bool:
-        """Whether a stored table has this row already, counted with the same weights."""
-        return (
-            any(self.name in frame["methods"] for frame in held["frames"])
-            and held["weights"].get(self.name, "") == self.weights
-        )
+    def weights(self) -> dict[str, str]:
+        """Hash of the weights by the row's name, {} for none."""
+        return {self.name: read_card(self.file).sha256} if self.file.is_file() else {}
 
 
-def rows_of(methods: Sequence[str], protocol: str, runs: Path | None) -> Iterator[Row]:
+def rows_of(methods: Sequence[str], protocol: str, runs: Path | None) -> list[Row]:
     """A row for each training in a folder, or each method.
 
     Without names: the methods that are ready, and the references.
     """
     if runs:
-        for file in sorted(runs.glob(f"*/*.{protocol}.safetensors")):
-            yield Row(file.parent.name, read_card(file).model, file)
-        return
-    ready = (
-        name
-        for name, one in METHODS.items()
-        if one.state(protocol) not in ("untrained", "no weights")
-    )
-    for one in map(find_method, methods or ready):
-        yield Row(one.name, one.name, weights_path(one.network, protocol))
+        files = sorted(runs.glob(f"*/*.{protocol}.safetensors"))
+        return [Row(file.parent.name, read_card(file).model, file) for file in files]
+    named = map(find_method, methods or METHODS)
+    return [
+        Row(one.name, one.name, weights_path(one.network, protocol))
+        for one in named
+        if methods or one.state(protocol) not in ("untrained", "no weights")
+    ]
+
+
+def is_counted(row: Row, held: Fields) -> bool:
+    """Whether a stored table has a row already, counted with the same weights."""
+    same = row.weights.items() <= held["weights"].items()
+    return same and any(row.name in frame["methods"] for frame in held["frames"])
 
 
 def path_of(settings: Fields, size: str, runs: Path | None) -> Path:
@@ -85,23 +82,21 @@ def count(held: Fields, row: Row, frames: Iterable[Frame]) -> None:
     """Join the counts of a method over all frames with those of the others."""
     evaluation = Evaluation([row.method], **held["settings"])
     if row.weights:
-        held["weights"][row.name] = row.weights
+        held["weights"] |= row.weights
         evaluation.options = {"weights": row.file}
     counts = evaluation.add_all(frames).counts()
     held["frames"] = held["frames"] or counts
     for old, new in zip(held["frames"], counts, strict=True):
         old["methods"][row.name] = new["methods"].pop(row.method)
-    scores = evaluation.report()["methods"][row.method]
-    print(row.name, {key: round(rate, 4) for key, rate in scores.items()}, flush=True)
+    print(row.name, evaluation.report()["methods"][row.method], flush=True)
 
 
 def write(held: Fields, path: Path) -> None:
     """Store counts, one frame a line, with their hash."""
     held |= {"version": __version__, "sha256": digest(held["frames"])}
+    text = json.dumps(held).replace('{"frame": ', '\n{"frame": ')
     with atomic_output(path) as part:
-        part.write_text(
-            json.dumps(held).replace('{"frame": ', '\n{"frame": ') + "\n", "utf-8"
-        )
+        part.write_text(text + "\n", "utf-8")
 
 
 def main(
@@ -119,10 +114,11 @@ def main(
     if any(offset):
         settings["phase_offset"] = [phase / 1e3 for phase in offset]
     path = path_of(settings, size, runs)
-    held = read_json(path)
-    if held.get("settings") != settings:
-        held = {"settings": settings, "size": size, "weights": {}, "frames": []}
-    rows = [row for row in rows_of(methods, protocol, runs) if not row.is_counted(held)]
+    new: Fields = {"settings": settings, "size": size, "weights": {}, "frames": []}
+    held = read_json(path) or new
+    rows = [
+        row for row in rows_of(methods, protocol, runs) if not is_counted(row, held)
+    ]
     if rows:
         frames = views_of_size(*shape_from_text(size)) if size else held_out_frames()
         for row in rows:

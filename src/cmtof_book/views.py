@@ -29,15 +29,14 @@ class Layer(NamedTuple):
     ends: Pair
     meaning: str
 
-    def colours(self, step: int = 1) -> Array:
-        """Colours (h, w, 3), 0 to 1, of every ``step``-th point along both axes."""
+    def colours(self) -> Array:
+        """Colours (H, W, 3), 0 to 1, of the points."""
         low, high = self.ends
-        share = (self.values[::step, ::step] - low) / (high - low)
-        return plt.get_cmap(self.scale)(share)[..., :3]
+        return plt.get_cmap(self.scale)((self.values - low) / (high - low))[..., :3]
 
     def pack(self, step: int) -> Fields:
         """Every ``step``-th point and its colour for the page, and the key to the colours."""
-        colours = self.colours(step)
+        colours = self.colours()[::step, ::step]
         key = plt.get_cmap(self.scale)(np.linspace(0, 1, 9))
         return {
             "shape": colours.shape[:2],
@@ -62,10 +61,9 @@ def save_scene(
         "eye": eye,
         "layers": {label: layer.pack(step) for label, layer in layers.items()},
     }
+    call = f"cmtofScene({json.dumps(name)}, {json.dumps(about)});\n"
     with atomic_output(output_folder() / f"{name}.js") as part:
-        part.write_text(
-            f"cmtofScene({json.dumps(name)}, {json.dumps(about)});\n", "utf-8"
-        )
+        part.write_text(call, "utf-8")
 
 
 def show_scene(name: str, *, title: str) -> None:
