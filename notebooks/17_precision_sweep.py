@@ -10,7 +10,7 @@
 # %% tags=["parameters", "hide-input"]
 profile: str = "book"  # size profile
 seed: int = 0  # of noise, drift, speckle and errors
-repeats: int = 120  # days on which each sweep is simulated
+repeats: int = 80  # days on which each sweep is simulated
 distance: float = 0.6  # of mirror and plate at the first position, m
 laser_power: float = 0.15  # W
 rig: str = ""  # RIG file of an instrument before the plate; empty: simulated

@@ -124,9 +124,8 @@ def scan_target(
 ) -> Measurement:
     """Scan of a target, its ranges optical, among the wraps 36 to 56 of the released protocol.
 
-    ``noise`` is one of `NOISES`. The zero of the beat is that of a
-    short scan at the photon limit. Without ``stray`` light: what comes back while a cap covers the
-    beam is taken away.
+    ``noise`` is one of `NOISES`. The zero of the beat is that of a short scan at the photon limit.
+    Without ``stray`` light: what comes back while a cap covers the beam is taken away.
     """
     noisy = TwinSettings(**NOISES[noise])
     scan = scan_scene(noisy, target, size=size, **view)
@@ -136,6 +135,16 @@ def scan_target(
         short = scan_scene(TwinSettings(), target, size=1, **view)
         scan = Measurement(scan.dataset.assign(psi=short.dataset["psi"]))
     return scan.between(*ENDS)
+
+
+def sharp_scan(name: str) -> Measurement:
+    """Scan of an object by name, at the photon limit, with a spot a tenth as wide."""
+    fine = TwinSettings(divergence=1e-4, exit_radius=2.5e-5)
+    target = scene_from({"kind": "object", "name": name})
+    view = FIELD_OF_VIEW[name]
+    return scan_scene(fine, target, size=SIZE, field_of_view=view, seed=0).between(
+        *ENDS
+    )
 
 
 def close_pair(scan: Measurement, other: Measurement) -> Measurement:
@@ -219,7 +228,7 @@ def still_of_group(number: int, group: int) -> Measurement:
 def tuned_weights(scans: int) -> Path:
     """File of the weights trained on rooms and then tuned on labelled scans alone."""
     folder = FOLDER / f"tuned_{scans}_1"
-    return trained(folder, 0, examples(range(scans)), seed=1, **TUNING)
+    return train_into(folder, 0, examples(range(scans)), seed=1, **TUNING)
 
 
 def best_weights(legs: int = len(LEGS)) -> Path:
@@ -237,10 +246,10 @@ def best_weights(legs: int = len(LEGS)) -> Path:
     both = chain(stills, examples([*range(scans)] * 10))
     # a number of its own, though a leg with scans learns the still lifes of the one before
     seed = last // 400 + (scans > 0)
-    return trained(folder, legs - 1, both, mean=scans > 0, seed=seed, **LEARNING)
+    return train_into(folder, legs - 1, both, mean=scans > 0, seed=seed, **LEARNING)
 
 
-def trained(
+def train_into(
     folder: Path, legs: int, learnt: Iterable[Any], *, mean=False, **options: Any
 ) -> Path:
     """File of weights in a folder; if there is none, those after ``legs`` learn from examples.
@@ -344,6 +353,7 @@ def main() -> None:
     sweep(counts, "tuned", NETWORK)
     for row in ("kde", *TOLD):
         sweep(counts, row, row)
+    counts.keep(("sharp", "helmet"), wraps_off, *TOLD, map(sharp_scan, ["helmet"]))
 
 
 if __name__ == "__main__":
