@@ -171,12 +171,12 @@ def picture(
     paint = kit.material(material)._replace(emission=emission)
     yield (
         paint,
-        space.inset(x0=half, x1=half, y0=depth / 3, z0=half, z1=half),
+        space.inset(x=half, y0=depth / 3, z=half),
     )
     yield (
         kit.material("wood", "metal"),
         space.ends("z", edge),
-        space.inset(z0=edge, z1=edge).ends("x", edge),
+        space.inset(z=edge).ends("x", edge),
     )
 
 
@@ -218,9 +218,9 @@ def _round_corners(path: Array) -> Array:
 def radiator(kit: Kit, space: Box) -> Piece:
     """Upright fins between two rails, on feet."""
     width, depth, height = space.size
-    inside = space.inset(x0=0.02, x1=0.02, y0=depth / 4, y1=depth / 4)
+    inside = space.inset(x=0.02, y=depth / 4)
     x = np.linspace(inside.x0, inside.x1, max(3, int(width / 0.07)))
-    feet = space.inset(y0=depth / 5, y1=depth / 5).cut(z1=0.12 * height)
+    feet = space.inset(y=depth / 5).cut(z1=0.12 * height)
     yield (
         "paint",
         space.cut(z0=0.11 * height, z1=0.97 * height).bars("x", x, 0.02),

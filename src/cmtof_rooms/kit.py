@@ -10,14 +10,13 @@ from typing import Any, NamedTuple
 
 import numpy as np
 from numpy.random import Generator
-from trimesh import Trimesh
 
 from cmtof.types import Fields, Pair, Values
-from cmtof_rooms.boxes import Box, Rectangle
+from cmtof_rooms.boxes import Rectangle
 from cmtof_rooms.materials import Material
 from cmtof_rooms.presets import presets
-from cmtof_rooms.solids import join, slab
-from cmtof_rooms.things import Light, Part
+from cmtof_rooms.solids import join
+from cmtof_rooms.things import Light, Part, Solid, meshes_of
 
 
 class Top(NamedTuple):
@@ -29,7 +28,7 @@ class Top(NamedTuple):
 
 
 # Solids of one material, or of one drawn for a role, which become a part.
-Solids = tuple[Material | str, *tuple[Trimesh | Box, ...]]
+Solids = tuple[Material | str, *tuple[Solid, ...]]
 
 Piece = Iterator[Solids | Top | Light]  # A piece of furniture as its maker yields it
 
@@ -53,16 +52,15 @@ class Kit:
         role = roles[0] if len(roles) == 1 else self.rng.choice(roles)
         return self.pick(self.palette[role])
 
-    def part(self, material: Material | str, *solids: Trimesh | Box) -> Part:
+    def part(self, material: Material | str, *solids: Solid) -> Part:
         """Join solids to a part of one material, which is given or drawn for a role."""
         if isinstance(material, str):
             material = self.material(material)
-        meshes = [slab(*one) if isinstance(one, Box) else one for one in solids]
-        return Part(material, join(meshes))
+        return Part(material, join(meshes_of(solids)))
 
     def pick(self, items: Sequence) -> Any:
         """Draw one of several items."""
-        return items[int(self.rng.integers(len(items)))]
+        return items[self.rng.integers(len(items))]
 
     def between(self, low: float, high: float) -> float:
         """Draw a number evenly between two limits."""
@@ -78,8 +76,7 @@ class Kit:
 
     def count(self, limits: Sequence[int]) -> int:
         """Draw a whole number evenly from the lowest to the highest."""
-        low, high = limits
-        return int(self.rng.integers(low, high, endpoint=True))
+        return int(self.rng.integers(*limits, endpoint=True))
 
     def chance(self, share: float) -> bool:
         """Draw whether something happens that does so in a share of cases."""

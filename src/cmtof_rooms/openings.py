@@ -31,7 +31,7 @@ def add_door(kit: Kit, shell: Shell, wall: Wall) -> None:
         (kit.material("metal"), handle),
         (
             front,
-            frame.inset(x0=-0.07, x1=-0.07).ends("x", 0.07),
+            frame.inset(x=-0.07).ends("x", 0.07),
             frame.cut(z0=height),
         ),
     )
@@ -78,7 +78,7 @@ def _add_room_beyond(kit: Kit, shell: Shell, wall: Wall, space: Box) -> None:
     """Add walls, floor and ceiling of a room beyond a wall, about its free space."""
     t = THICKNESS
     paint = kit.material("wall")
-    outer = space.inset(x0=-t, x1=-t, y1=-t)
+    outer = space.inset(x=-t, y1=-t)
     shell.build(
         "room beyond",
         wall.place,
