@@ -11,6 +11,7 @@ from cmtof.types import Array, Shape
 from cmtof_rooms.boxes import Rectangles
 from cmtof_rooms.engine import sphere_of_directions
 from cmtof_rooms.interior import Interior
+from cmtof_rooms.kit import weighted_choice
 from cmtof_rooms.solids import turn_about_z
 from cmtof_rooms.things import Thing
 
@@ -124,8 +125,7 @@ def camera_across(floor: Rectangles, height: float, rng: Generator) -> Camera:
 
     Four of five face a wall squarely, as interiors are often photographed.
     """
-    area = np.array([np.prod(piece.size) for piece in floor])
-    piece = floor[rng.choice(len(floor), p=area / area.sum())]
+    piece = weighted_choice(rng, floor, [piece.size.prod() for piece in floor])
     eye_height = min(rng.choice([1.1, 1.4, 1.6, 1.9]), height - 0.4)
     # with one's back to the wall, mostly
     eye = np.append(piece.start + rng.beta(0.6, 0.6, 2) * piece.size, eye_height)

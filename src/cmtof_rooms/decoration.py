@@ -62,11 +62,8 @@ def vessel(
     material: str = "ceramic",
 ) -> Piece:
     """A vessel of revolution, stretched to the width, depth and height of a space."""
-    turned = revolution(
-        np.array(presets()["profiles"][profile]) * [0.5, 1],
-        sections=32,
-    )
-    turned.vertices = turned.vertices * space.size
+    turned = revolution(presets()["profiles"][profile], sections=32)
+    turned.vertices = turned.vertices * space.size * [0.5, 0.5, 1]
     yield material, turned
 
 
@@ -75,7 +72,7 @@ def blob(
     space: Box,
     *,
     material: str = "fabric",
-    noise: float = 0.1,
+    noise: float,
     squareness: float = 0.0,
 ) -> Iterator[Solids]:
     """A rounded, uneven body: cushion, fruit, stone, toy."""
@@ -86,9 +83,9 @@ def blob(
         squareness=squareness,
         fineness=3,
     )
-    low, high = body.bounds
-    body.vertices = (body.vertices - (low + high) / 2) * space.size / (high - low)
-    yield material, move(body, (0, 0, space.z1 / 2))
+    centred = body.vertices - body.bounds.mean(axis=0)
+    body.vertices = centred * space.size / body.extents + space.middle
+    yield material, body
 
 
 def cloth(
@@ -112,9 +109,8 @@ def cloth(
 def rug(kit: Kit, space: Box) -> Iterator[Solids]:
     """A rug on the floor, a fifth of them oval."""
     x0, x1, y0, y1 = space.floor
-    outline = np.array([(x0, y0), (x1, y0), (x1, y1), (x0, y1)])
-    if kit.chance(0.2):
-        outline = ellipse(space.size[:2], 40)
+    corners = [(x0, y0), (x1, y0), (x1, y1), (x0, y1)]
+    outline = ellipse(space.size[:2], 40) if kit.chance(0.2) else corners
     yield "fabric", extrusion(outline, space.z1)
 
 
@@ -252,17 +248,12 @@ def stack(
     material: str = "paper",
 ) -> Piece:
     """Boxes or papers piled up, each turned a little; a single one is not turned."""
-    width, depth, height = space.size
     number = kit.count(count)
-    shares = np.sort(kit.rng.uniform(0.15, 1, number - 1))
-    levels = height * np.unique([0.0, *shares.round(2), 1.0])
-    for z0, z1 in pairwise(levels):
+    shares = kit.rng.uniform(0.15, 1, number - 1).round(2)
+    for z0, z1 in pairwise(space.z1 * np.unique([0.0, *shares, 1.0])):
         layer = space.cut(z0=z0, z1=z1 - 1e-3)
-        yield (
-            material,
-            _case(kit, layer) if number > 1 else layer,
-        )
-    yield Top(Rectangle.about((0, 0), (2 * width / 3, 2 * depth / 3)), height, 0.4)
+        yield material, _case(kit, layer) if number > 1 else layer
+    yield Top(Rectangle(*np.divide(space.floor, 1.5)), space.z1, 0.4)
 
 
 def _case(kit: Kit, space: Box) -> Trimesh:

@@ -10,8 +10,9 @@ from typing import Any, NamedTuple
 
 import numpy as np
 from numpy.random import Generator
+from numpy.typing import ArrayLike
 
-from cmtof.types import Fields, Pair, Values
+from cmtof.types import Fields, Pair
 from cmtof_rooms.boxes import Rectangle
 from cmtof_rooms.materials import Material
 from cmtof_rooms.presets import presets
@@ -101,7 +102,7 @@ def _material(rng: Generator, drawn: Fields) -> Material:
     first, second = np.clip(pair * rng.uniform(0.75, 1.2, (2, 1)), 0.01, 0.92)
     mix = rng.uniform(0.15, 0.7) * (second - first) * rng.uniform(0.5, 1.0)
     second = 0.8 * (first + mix)
-    pattern = weighted_choice(rng, drawn["patterns"])
+    pattern = weighted_choice(rng, *zip(*drawn["patterns"].items(), strict=True))
     return Material(
         tuple(first),
         tuple(second),
@@ -110,7 +111,6 @@ def _material(rng: Generator, drawn: Fields) -> Material:
     )
 
 
-def weighted_choice(rng: Generator, weights: Values) -> str:
-    """Draw a name by its weight."""
-    odds = np.fromiter(weights.values(), float)
-    return str(rng.choice(list(weights), p=odds / odds.sum()))
+def weighted_choice(rng: Generator, items: Sequence, weights: ArrayLike) -> Any:
+    """Draw one of several items by its weight."""
+    return items[rng.choice(len(items), p=np.divide(weights, np.sum(weights)))]

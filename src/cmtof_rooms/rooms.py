@@ -65,8 +65,6 @@ class FurnishedRoom:
     ----------
     seed, index : int
         Of the set, and the room's place in it.
-    kind : str
-        One of the ``rooms`` of `presets.yml`.
     interior : Interior
     floor : list of Rectangle
     height : float
@@ -77,7 +75,6 @@ class FurnishedRoom:
 
     seed: int
     index: int
-    kind: str
     interior: Interior
     floor: Rectangles
     height: float
@@ -116,13 +113,13 @@ class FurnishedRoom:
 def build_room(seed: int, index: int) -> FurnishedRoom:
     """Build, furnish and light one room; the same pair of numbers gives the same room."""
     rng = stream(seed, index, ROOM)
-    rooms = presets()["rooms"]
-    kind = weighted_choice(rng, {name: room["weight"] for name, room in rooms.items()})
+    rooms = list(presets()["rooms"].values())
+    room = weighted_choice(rng, rooms, [room["weight"] for room in rooms])
     kit = household(rng)
-    shell = build_shell(kit, rooms[kind])
+    shell = build_shell(kit, room)
     inside = Furnishing(shell, kit, clear=list(shell.keep))
     tidy = kit.between(0.7, 1.5)
-    inside.fill({name: tidy * mean for name, mean in rooms[kind]["things"].items()})
+    inside.fill({name: tidy * mean for name, mean in room["things"].items()})
     for wall in shell.beyond:
         inside.things += _things_beyond(wall, kit)
     interior = Interior(
@@ -134,7 +131,6 @@ def build_room(seed: int, index: int) -> FurnishedRoom:
     return FurnishedRoom(
         seed,
         index,
-        kind,
         interior,
         shell.floor,
         shell.height,

@@ -234,17 +234,10 @@ def sheet(grid: ArrayLike, thickness: float) -> Trimesh:
     (True, 0.02)
     """
     points = np.asarray(grid, float)
-    diagonal = points[-1, -1] - points[0, 0]
-    other = points[-1, 0] - points[0, -1]
-    normal = np.cross(other, diagonal)
+    normal = np.cross(points[-1, 0] - points[0, -1], points[-1, -1] - points[0, 0])
     back = points - thickness * normal / np.linalg.norm(normal)
-    vertices = np.concatenate([points, back]).reshape(-1, 3)
-    return mesh_from(vertices, _sheet_faces(len(vertices) // 2, points.shape[1]))
-
-
-def _sheet_faces(count: int, columns: int) -> Numbers:
-    """Triangles of a closed sheet whose two sides have ``count`` vertices each, row by row."""
-    number = np.arange(count).reshape(-1, columns)
+    number = np.arange(points[..., 0].size).reshape(points.shape[:2])
+    behind = number.size
     front = triangles_of(cells_of(number).reshape(-1, 4))
     edges = [
         number[:-1, 0],
@@ -254,14 +247,14 @@ def _sheet_faces(count: int, columns: int) -> Numbers:
     ]
     rim = np.concatenate(edges)
     following = np.roll(rim, -1)
-    return np.concatenate(
-        [
-            front,
-            front[:, ::-1] + count,
-            _join_corners(rim, rim + count, following),
-            _join_corners(following, rim + count, following + count),
-        ]
-    )
+    faces = [
+        front,
+        front[:, ::-1] + behind,
+        _join_corners(rim, rim + behind, following),
+        _join_corners(following, rim + behind, following + behind),
+    ]
+    vertices = np.concatenate([points, back]).reshape(-1, 3)
+    return mesh_from(vertices, np.concatenate(faces))
 
 
 def join(meshes: Iterable[Trimesh]) -> Trimesh:

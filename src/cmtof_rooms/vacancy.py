@@ -6,7 +6,7 @@ import numpy as np
 
 from cmtof.types import Array, Fields
 from cmtof_rooms.boxes import Rectangle, Rectangles, Triple, Vector
-from cmtof_rooms.kit import Kit
+from cmtof_rooms.kit import Kit, weighted_choice
 from cmtof_rooms.shell import Shell, Wall
 from cmtof_rooms.solids import turn_about_z
 from cmtof_rooms.things import Light, Place
@@ -97,10 +97,8 @@ class Vacancy:
     def _at_wall(self, kind: Kind, size: Extents, foot: float) -> Place | None:
         """Try a place before a wall, in a corner, or on a wall with its foot at a height."""
         width, _, height = size
-        lengths = np.array([wall.length for wall in self.shell.walls])
-        # long walls more often
-        number = self.kit.rng.choice(len(lengths), p=lengths / lengths.sum())
-        wall = self.shell.walls[number]
+        walls = self.shell.walls
+        wall = weighted_choice(self.kit.rng, walls, [one.length for one in walls])
         last = wall.length - width - 0.04
         if wall.length < width + 0.1 or foot + height > self.shell.height - 0.02:
             return None
