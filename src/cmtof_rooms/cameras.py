@@ -81,7 +81,6 @@ def choose_cameras(
     interior: Interior,
     lens: Lens,
     rng: Generator,
-    *,
     wanted: Callable[[Generator], float],
     draw: Callable[[Generator], Camera],
 ) -> Cameras:
@@ -156,10 +155,10 @@ def camera_close(middles: Array, rng: Generator) -> Camera:
 
 def middles_of(things: Sequence[Thing]) -> Array:
     """Middles (N, 3), m, of the things of 0.1 to 1.6 m; of all things if none has such a size."""
-    low, high = np.stack([thing.bounds for thing in things], axis=1)
-    size = (high - low).max(axis=1)
+    bounds = np.array([thing.bounds for thing in things])
+    size = np.ptp(bounds, axis=1).max(axis=1)
     fit = (size > 0.1) & (size < 1.6)
-    middles = (low + high) / 2
+    middles = bounds.mean(axis=1)
     return middles[fit] if fit.any() else middles
 
 

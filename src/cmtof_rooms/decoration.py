@@ -9,7 +9,6 @@ from itertools import pairwise
 import numpy as np
 from trimesh import Trimesh
 
-from cmtof.types import Array
 from cmtof_rooms.boxes import Box, Rectangle
 from cmtof_rooms.kit import Kit, Piece, Solids, Top
 from cmtof_rooms.presets import presets
@@ -187,11 +186,9 @@ def pipe(
     metal = kit.material("metal")
     number = kit.count((1, 2))
     x = space.x1
-    if level:  # both ends at the wall
-        y = space.y1 - radius
-        z = radius
-        ends = [(-x, y, z), (-x, -y, z), (x, -y, z), (x, y, z)]
-        first = _round_corners(np.array(ends))
+    if level:
+        bend = np.multiply(presets()["rail"], (x, space.y1 - radius))
+        first = np.pad(bend, [(0, 0), (0, 1)], constant_values=radius)
         step = np.array([0, 0, space.z1 - 2 * radius])
     else:
         left = x / number - x
@@ -199,16 +196,6 @@ def pipe(
         step = np.array([2 * x / number, 0, 0])
     for k in range(number):
         yield metal, sweep(first + k * step, radius)
-
-
-def _round_corners(path: Array) -> Array:
-    """Path (M, 3), m, with three points close to it in place of each inner corner."""
-    corners = path[1:-1]
-    before = corners + 0.2 * (path[:-2] - corners)
-    after = corners + 0.2 * (path[2:] - corners)
-    middle = (before + after + 2 * corners) / 4
-    bends = np.stack([before, middle, after], 1).reshape(-1, 3)
-    return np.vstack([path[:1], bends, path[-1:]])
 
 
 def radiator(kit: Kit, space: Box) -> Piece:

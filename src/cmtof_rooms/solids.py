@@ -215,8 +215,7 @@ def ball(
     points = np.array(unit.vertices)
     if squareness:
         power = 2 / (1 - squareness)
-        total = (np.abs(points) ** power).sum(axis=1, keepdims=True)
-        points /= total ** (1 / power)
+        points /= np.linalg.norm(points, power, axis=1, keepdims=True)
     if rng is not None and noise:
         waves = rng.normal(0, 3.0, (6, 3))
         phase = rng.uniform(0, 2 * np.pi, 6)
