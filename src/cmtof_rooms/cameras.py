@@ -186,10 +186,10 @@ def _flaws(camera: Camera, wanted: float, interior: Interior, lens: Lens) -> flo
 
 def _likeness(camera: Camera, chosen: Cameras) -> float:
     """Likeness, 0 to 1, of a view to those chosen before: 1 for the same place and direction."""
-    found = [0.0]
+    likeness = 0.0
     for other in chosen:
         apart = np.linalg.norm(camera.position - other.position) / 2.0
         cosine = camera.orientation[:, 2] @ other.orientation[:, 2]
         turned = np.arccos(np.clip(cosine, -1, 1)) / 0.7
-        found.append(float(np.exp(-(apart**2) - turned**2)))
-    return max(found)
+        likeness = max(likeness, np.exp(-(apart**2) - turned**2))
+    return likeness

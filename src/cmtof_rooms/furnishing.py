@@ -57,9 +57,9 @@ class Furnishing(Vacancy):
 
     def _size(self, name: str) -> Extents:
         """Draw a size of a kind, m, that fits under the ceiling."""
-        width, depth, height = self.kit.each(_kind(name)["size"])
-        most = self.shell.height - self.shell.lowest - 0.01
-        return width, depth, min(height, most)
+        size = np.array(self.kit.each(_kind(name)["size"]))
+        size[2] = min(size[2], self.shell.height - self.shell.lowest - 0.01)
+        return size
 
     def _stand(self, name: str, size: Extents, place: Place) -> list[Top]:
         """Make a thing, stand it at a place, and return its tops, on which others can stand."""
@@ -106,9 +106,9 @@ class Furnishing(Vacancy):
         """Make a thing and stand it on a top beside what stands there, if it fits."""
         for _ in range(4):
             size = self._size(name)
-            if (np.array(size) > [*top.area.size, top.room - 0.02]).any():
+            if (size > [*top.area.size, top.room - 0.02]).any():
                 continue
-            half = np.array(size[:2]) / 2
+            half = size[:2] / 2
             middle = self.kit.rng.uniform(top.area.start + half, top.area.end - half)
             area = Rectangle.about(middle, size[:2])
             if not area.meets(used):

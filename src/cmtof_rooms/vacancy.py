@@ -5,7 +5,7 @@ from dataclasses import dataclass, field
 import numpy as np
 
 from cmtof.types import Array, Fields
-from cmtof_rooms.boxes import Rectangle, Rectangles, Triple, Vector
+from cmtof_rooms.boxes import Rectangle, Rectangles
 from cmtof_rooms.kit import Kit, weighted_choice
 from cmtof_rooms.shell import Shell, Wall
 from cmtof_rooms.solids import turn_about_z
@@ -13,14 +13,14 @@ from cmtof_rooms.things import Light, Place
 
 Kind = Fields  # one of the ``kinds`` of `presets.yml`
 
-Extents = Triple  # width, depth, height, m
+Extents = Array  # width, depth, height, m
 
 TRIES = 14  # places that are tried for one thing before it is left out
 
 
-def turned_size(size: Vector, turn: float) -> Array:
+def turned_size(size: Extents, turn: float) -> Array:
     """Size along x and y, m, of a box that is turned by ``turn``, rad, about z."""
-    return np.abs(turn_about_z(turn)[:2]) @ np.asarray(size)
+    return np.abs(turn_about_z(turn)[:2]) @ size
 
 
 @dataclass
@@ -154,8 +154,6 @@ class Vacancy:
     def _under_ceiling(self, size: Extents) -> Place | None:
         """Try a place under the ceiling, away from other lamps and tall things."""
         width, depth, height = size
-        if self.shell.open:
-            return None
         floor = self.kit.pick(self.shell.floor)
         x, y = (
             floor.start + width + self.kit.rng.beta(2, 2, 2) * (floor.size - 2 * width)
