@@ -37,7 +37,15 @@ def build_shell(kit: Kit, room: Fields) -> Shell:
     ]
     floor = [Rectangle(0.0, width, 0.0, depth)]
     is_day = is_open or kit.chance(0.75)
-    shell = Shell(width, depth, height, walls, floor, is_open, is_day)
+    shell = Shell(
+        width,
+        depth,
+        height,
+        walls,
+        floor,
+        open=is_open,
+        day=is_day,
+    )
     if not is_open and min(width, depth) >= 3.6 and kit.chance(0.25):
         _cut_corner(kit, shell)
     _add_openings(kit, shell)

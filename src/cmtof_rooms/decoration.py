@@ -96,10 +96,12 @@ def cloth(
     """A curtain in folds, or a towel that hangs."""
     width, _, height = space.size
     thickness = 0.006
-    folds = kit.between(5, 9) * width if style == "curtain" else kit.between(0.5, 2)
+    folds, phase, shift = kit.draw(style)
+    if style == "curtain":
+        folds *= width
     columns = np.linspace(space.x0, space.x1, max(9, int(10 * folds) + 1))
     x, z = np.meshgrid(columns, np.linspace(0, height, 7), indexing="ij")
-    phase = kit.between(0, 2 * np.pi) + 0.3 * np.sin(3 * z / height + kit.between(0, 6))
+    phase = phase + 0.3 * np.sin(3 * z / height + shift)
     wave = np.sin(2 * np.pi * folds * (x / width + 0.5) + phase)
     y = (space.y1 - thickness) * wave * (1 - 0.3 * z / height)
     yield "fabric", sheet(np.stack([x, y, z], -1), thickness)
@@ -122,9 +124,9 @@ def plant(kit: Kit, space: Box, *, style: str = "leaves") -> Piece:
     yield from vessel(kit, Box.standing((0.9 * pot, 0.9 * pot, pot)), profile="pot")
     green = kit.material("leaf")
     if style == "bush":
-        leaves = Box.standing((width, width, 0.9 * crown))
+        leaves = Box.standing((width, width, height)).cut(z0=pot + 0.1 * crown)
         bush = kit.part(*next(blob(kit, leaves, material="leaf", noise=0.35)))
-        yield green, move(bush.mesh, (0, 0, pot + 0.1 * crown))
+        yield green, bush.mesh
         stem = [(0, 0, 0.8 * pot), (0, 0, pot + 0.3 * crown)]
         yield green, sweep(stem, 0.03 * pot + 0.01, 6)
     else:

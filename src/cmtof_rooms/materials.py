@@ -40,8 +40,7 @@ def _noise(s: Array, t: Array) -> Array:
     j = np.floor(t)
     x = _smooth_step(s - i)
     y = _smooth_step(t - j)
-    low = _mix(_hash(i, j), _hash(i + 1, j), x)
-    high = _mix(_hash(i, j + 1), _hash(i + 1, j + 1), x)
+    low, high = [_mix(_hash(i, row), _hash(i + 1, row), x) for row in (j, j + 1)]
     return _mix(low, high, y)
 
 

@@ -72,8 +72,8 @@ class Settings:
         angle = np.radians(
             stream(self.seed, index, LENS).choice([60, 60, 60, 52, 44, 35])
         )
-        drawn = self.width / 2 / np.tan(angle / 2)
-        focal = float(self.focal if self.focal is not None else drawn)
+        drawn = float(self.width / 2 / np.tan(angle / 2))
+        focal = drawn if self.focal is None else self.focal
         if not 1 <= focal < 1e6:
             raise ValueError(
                 f"Expected a focal length of 1 to 1e6 px, got {focal}. Try the width."

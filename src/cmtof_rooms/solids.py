@@ -5,6 +5,7 @@ from itertools import product
 
 import numpy as np
 import trimesh
+from numpy.lib.stride_tricks import sliding_window_view
 from numpy.random import Generator
 from numpy.typing import ArrayLike
 from trimesh import Trimesh
@@ -99,7 +100,9 @@ def plate(
         upright = slice(*np.searchsorted(z, hole[2:]))
         whole[across, upright] = False
     flat = trimesh.creation.extrude_triangulation(
-        [*product(x, z)], triangles_of(cells[whole]), thickness
+        [*product(x, z)],
+        triangles_of(cells[whole]),
+        thickness,
     )
     # (x, z, y) to (x, y, z) is a reflection
     return mesh_from(flat.vertices[:, [0, 2, 1]], flat.faces[:, ::-1])
@@ -112,15 +115,8 @@ def _lines(length: float, edges: Array) -> Array:
 
 def cells_of(number: Numbers) -> Numbers:
     """Corners (N - 1, M - 1, 4), in turn, of the cells of a grid of numbered points (N, M)."""
-    low = number[:-1]
-    high = number[1:]
-    corners = [
-        low[:, :-1],
-        high[:, :-1],
-        high[:, 1:],
-        low[:, 1:],
-    ]
-    return np.stack(corners, -1)
+    squares = sliding_window_view(number, (2, 2))
+    return squares.reshape(*squares.shape[:2], 4)[..., [0, 2, 3, 1]]
 
 
 def triangles_of(cells: Numbers) -> Numbers:
@@ -233,7 +229,8 @@ def sheet(grid: ArrayLike, thickness: float) -> Trimesh:
     (True, 0.02)
     """
     points = np.asarray(grid, float)
-    normal = np.cross(points[-1, 0] - points[0, -1], points[-1, -1] - points[0, 0])
+    diagonal = points[-1, -1] - points[0, 0]
+    normal = np.cross(points[-1, 0] - points[0, -1], diagonal)
     back = points - thickness * normal / np.linalg.norm(normal)
     number = np.arange(points[..., 0].size).reshape(points.shape[:2])
     behind = number.size
