@@ -7,7 +7,7 @@ from typing import NamedTuple
 import numpy as np
 from scipy.ndimage import distance_transform_edt
 
-from cmtof.types import Array, Flags, Numbers
+from cmtof.types import Array, Flags
 from cmtof_rooms.engine import sphere_of_directions
 
 # Directions in which light is asked for from each place.
@@ -35,7 +35,11 @@ class Bounce(NamedTuple):
         position, normal : ndarray of float32, shape (N, 3)
             m, and unit vectors.
         """
-        cell, far = self._cells(position)
+        cells = np.array(self.light.shape[:3]) - 1
+        span = np.maximum(self.high - self.low, 1e-3)
+        place = np.clip((position - self.low) / span, 0, 1) * cells.astype(np.float32)
+        cell = np.minimum(place.astype(np.int32), cells - 1)
+        far = place - cell  # how far in its cell each place lies, 0 to 1
         found = np.zeros(position.shape, np.float32)
         for axis in range(3):
             share = normal[:, axis] ** 2
@@ -43,18 +47,11 @@ class Bounce(NamedTuple):
             side = 2 * axis + (normal[some, axis] < 0)
             for corner in np.ndindex(2, 2, 2):
                 weight = np.where(corner, far[some], 1 - far[some]).T
-                weighted = share[some] * weight[0] * weight[1] * weight[2]
-                place = (*(cell[some] + corner).T, side)
-                found[some] += weighted[:, None] * self.light[place]
+                weight = share[some] * weight[0] * weight[1] * weight[2]
+                found[some] += (
+                    weight[:, None] * self.light[*(cell[some] + corner).T, side]
+                )
         return found
-
-    def _cells(self, position: Array) -> tuple[Numbers, Array]:
-        """Cell (N, 3) of the grid that each place lies in, and how far in it, 0 to 1, (N, 3)."""
-        cells = np.array(self.light.shape[:3]) - 1
-        span = np.maximum(self.high - self.low, 1e-3)
-        place = np.clip((position - self.low) / span, 0, 1) * cells.astype(np.float32)
-        cell = np.minimum(place.astype(np.int32), cells - 1)
-        return cell, place - cell
 
 
 def measure_bounce(space: Array, look: Look) -> Bounce:
@@ -98,7 +95,7 @@ def _grid_axes(low: Array, high: Array) -> list[Array]:
 
 def _fill_solids(light: Array, inside: Flags) -> Array:
     """Light of a grid; a place inside a solid takes that of its nearest neighbour outside."""
-    if inside.any() and not inside.all():
+    if not inside.all():
         nearest = distance_transform_edt(
             inside, return_distances=False, return_indices=True
         )

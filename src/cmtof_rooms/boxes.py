@@ -46,8 +46,7 @@ class Rectangle(NamedTuple):
         self, left: float, right: float, below: float, above: float
     ) -> "Rectangle":
         """Rectangle that reaches further by margins, m, below x0, above x1, below y0, above y1."""
-        x0, x1, y0, y1 = self
-        return Rectangle(x0 - left, x1 + right, y0 - below, y1 + above)
+        return Rectangle(*np.add(self, (-left, right, -below, above)).tolist())
 
     def contains(self, other: "Rectangle") -> bool:
         """Whether another rectangle lies within this one."""
@@ -97,6 +96,11 @@ class Box(NamedTuple):
         return np.subtract(self[1::2], self[::2])
 
     @property
+    def middle(self) -> Array:
+        """Middle along x, y and z, m."""
+        return np.add(self[1::2], self[::2]) / 2
+
+    @property
     def floor(self) -> Rectangle:
         """Rectangle that the box covers, seen from above."""
         return Rectangle(*self[:4])
@@ -119,31 +123,26 @@ class Box(NamedTuple):
         return self._replace(**limits)
 
     def inset(self, **margins: float) -> "Box":
-        """Box of which the named limits lie further inside by margins, m.
+        """Box whose named limits, or both along a named axis, lie further inside by margins, m.
 
-        >>> Box.standing((2.0, 1.0, 3.0)).inset(x0=0.5, z1=1.0).size.tolist()
-        [1.5, 1.0, 2.0]
+        >>> Box.standing((2.0, 1.0, 3.0)).inset(x=0.5, z1=1.0).size.tolist()
+        [1.0, 1.0, 2.0]
         """
-        inwards = {
-            name: margin if name.endswith("0") else -margin
-            for name, margin in margins.items()
-        }
-        return self._replace(
-            **{name: getattr(self, name) + way for name, way in inwards.items()}
-        )
+        limits = {}
+        for name, margin in margins.items():
+            axis, *ends = name
+            for end in ends or "01":
+                inwards = margin if end == "0" else -margin
+                limits[axis + end] = getattr(self, axis + end) + inwards
+        return self._replace(**limits)
 
     def ends(self, axis: str, thickness: float) -> "Box":
         """Two boxes of a thickness, m, at both ends along an axis ``x``, ``y`` or ``z``."""
-        start = np.array(
-            [getattr(self, axis + "0"), getattr(self, axis + "1") - thickness]
-        )
-        return self._replace(**{axis + "0": start, axis + "1": start + thickness})
+        half = thickness / 2
+        low = getattr(self, axis + "0")
+        high = getattr(self, axis + "1")
+        return self.bars(axis, np.array([low + half, high - half]), half)
 
     def bars(self, axis: str, middles: Array, half: float) -> "Box":
         """Boxes about ``middles`` along an axis, m, that reach ``half``, m, to either side."""
         return self._replace(**{axis + "0": middles - half, axis + "1": middles + half})
-
-
-def both_sides(distance: float) -> Array:
-    """Both coordinates (2,) at a distance from 0, m: the negative and the positive one."""
-    return np.array([-distance, distance])

@@ -28,14 +28,23 @@ def build_shell(kit: Kit, room: Fields) -> Shell:
     """
     width, depth, height = kit.each(room["size"])
     is_open = room.get("open", False)
+    quarter = np.pi / 2
+    walls = [
+        Wall(Place(width, 0.0, np.pi), width),
+        Wall(Place(width, depth, -quarter), depth),
+        Wall(Place(0.0, depth), width),
+        Wall(Place(0.0, 0.0, quarter), depth),
+    ]
+    floor = [Rectangle(0.0, width, 0.0, depth)]
+    is_day = is_open or kit.chance(0.75)
     shell = Shell(
         width,
         depth,
         height,
-        _walls(width, depth),
-        [Rectangle(0.0, width, 0.0, depth)],
-        is_open,
-        is_open or kit.chance(0.75),
+        walls,
+        floor,
+        open=is_open,
+        day=is_day,
     )
     if not is_open and min(width, depth) >= 3.6 and kit.chance(0.25):
         _cut_corner(kit, shell)
@@ -56,34 +65,19 @@ def build_shell(kit: Kit, room: Fields) -> Shell:
     return shell
 
 
-def _walls(width: float, depth: float) -> list[Wall]:
-    """Four outer walls."""
-    quarter = np.pi / 2
-    return [
-        Wall(Place(width, 0.0, 2 * quarter), width),
-        Wall(Place(width, depth, -quarter), depth),
-        Wall(Place(0.0, depth), width),
-        Wall(Place(0.0, 0.0, quarter), depth),
-    ]
-
-
 def _cut_corner(kit: Kit, shell: Shell) -> None:
     """Make the room an L by a block in one corner: two more walls, a floor of two rectangles."""
-    width = shell.width
-    depth = shell.depth
-    share_x, share_y = kit.draw("notch")
-    a = share_x * width
-    b = share_y * depth
-    x = width - a
-    y = depth - b
+    (whole,) = shell.floor
+    size = whole.end * kit.draw("notch")  # of the block
+    x, y = whole.end - size
     # the outer walls behind the block stay, but nothing stands there
-    shell.walls[1].taken.append(Rectangle(0.0, b, 0.0, 99.0))
-    shell.walls[2].taken.append(Rectangle(x, width, 0.0, 99.0))
+    shell.walls[1].taken.append(Rectangle(0.0, size[1], 0.0, 99.0))
+    shell.walls[2].taken.append(Rectangle(x, shell.width, 0.0, 99.0))
     shell.walls += [
-        Wall(Place(x, y), a),
-        Wall(Place(x, depth, -np.pi / 2), b),
+        Wall(Place(x, y), size[0]),
+        Wall(Place(x, shell.depth, -np.pi / 2), size[1]),
     ]
-    shell.floor = [Rectangle(0.0, width, 0.0, y), Rectangle(0.0, x, 0.0, depth)]
+    shell.floor = [whole._replace(y1=y), whole._replace(x1=x)]
 
 
 def _add_openings(kit: Kit, shell: Shell) -> None:
@@ -100,16 +94,14 @@ def _add_openings(kit: Kit, shell: Shell) -> None:
 
 def _add_levels(kit: Kit, shell: Shell) -> None:
     """Add the floor and the ceiling or, of an open room, the sky."""
-    width = shell.width
-    depth = shell.depth
-    height = shell.height
     shell.build("floor", ROOM, (kit.material("floor"), shell.reach(-0.2, 0.0)))
     if shell.open:
-        centre = (width / 2, depth / 2, height + 5)
-        sky = level_light(centre, width / 2, depth / 2, width * depth / np.pi)
+        x = shell.width / 2
+        y = shell.depth / 2
+        sky = level_light((x, y, shell.height + 5), x, y, 4 * x * y / np.pi)
         shell.lights.append(sky._replace(colour=SKY))
     else:
-        above = shell.reach(height, height + 0.2)
+        above = shell.reach(shell.height, shell.height + 0.2)
         shell.build("ceiling", ROOM, (kit.material("ceiling"), above))
 
 
@@ -147,7 +139,7 @@ def _add_skirting(kit: Kit, shell: Shell) -> None:
     paint = kit.material("front")
     parts = []
     for wall in shell.walls:
-        cuts = sorted((taken.x0, taken.x1) for taken in wall.taken if taken.y0 < height)
+        cuts = sorted(taken[:2] for taken in wall.taken if taken.y0 < height)
         ends = np.array([0.0, *np.ravel(cuts), wall.length]).reshape(-1, 2)
         for start, end in ends[ends[:, 1] > ends[:, 0] + 0.05]:
             parts += wall.place.parts(paint, Box(start, end, -0.014, 0.0, 0.0, height))

@@ -11,6 +11,7 @@ from cmtof.types import Array, Shape
 from cmtof_rooms.boxes import Rectangles
 from cmtof_rooms.engine import sphere_of_directions
 from cmtof_rooms.interior import Interior
+from cmtof_rooms.kit import weighted_choice
 from cmtof_rooms.solids import turn_about_z
 from cmtof_rooms.things import Thing
 
@@ -80,7 +81,6 @@ def choose_cameras(
     interior: Interior,
     lens: Lens,
     rng: Generator,
-    *,
     wanted: Callable[[Generator], float],
     draw: Callable[[Generator], Camera],
 ) -> Cameras:
@@ -124,8 +124,7 @@ def camera_across(floor: Rectangles, height: float, rng: Generator) -> Camera:
 
     Four of five face a wall squarely, as interiors are often photographed.
     """
-    area = np.array([np.prod(piece.size) for piece in floor])
-    piece = floor[rng.choice(len(floor), p=area / area.sum())]
+    piece = weighted_choice(rng, floor, [piece.size.prod() for piece in floor])
     eye_height = min(rng.choice([1.1, 1.4, 1.6, 1.9]), height - 0.4)
     # with one's back to the wall, mostly
     eye = np.append(piece.start + rng.beta(0.6, 0.6, 2) * piece.size, eye_height)
@@ -156,10 +155,10 @@ def camera_close(middles: Array, rng: Generator) -> Camera:
 
 def middles_of(things: Sequence[Thing]) -> Array:
     """Middles (N, 3), m, of the things of 0.1 to 1.6 m; of all things if none has such a size."""
-    low, high = np.stack([thing.bounds for thing in things], axis=1)
-    size = (high - low).max(axis=1)
+    bounds = np.array([thing.bounds for thing in things])
+    size = np.ptp(bounds, axis=1).max(axis=1)
     fit = (size > 0.1) & (size < 1.6)
-    middles = (low + high) / 2
+    middles = bounds.mean(axis=1)
     return middles[fit] if fit.any() else middles
 
 
@@ -187,10 +186,10 @@ def _flaws(camera: Camera, wanted: float, interior: Interior, lens: Lens) -> flo
 
 def _likeness(camera: Camera, chosen: Cameras) -> float:
     """Likeness, 0 to 1, of a view to those chosen before: 1 for the same place and direction."""
-    found = [0.0]
+    likeness = 0.0
     for other in chosen:
         apart = np.linalg.norm(camera.position - other.position) / 2.0
         cosine = camera.orientation[:, 2] @ other.orientation[:, 2]
         turned = np.arccos(np.clip(cosine, -1, 1)) / 0.7
-        found.append(float(np.exp(-(apart**2) - turned**2)))
-    return max(found)
+        likeness = max(likeness, np.exp(-(apart**2) - turned**2))
+    return likeness

@@ -9,7 +9,6 @@ from itertools import pairwise
 import numpy as np
 from trimesh import Trimesh
 
-from cmtof.types import Array
 from cmtof_rooms.boxes import Box, Rectangle
 from cmtof_rooms.kit import Kit, Piece, Solids, Top
 from cmtof_rooms.presets import presets
@@ -62,11 +61,8 @@ def vessel(
     material: str = "ceramic",
 ) -> Piece:
     """A vessel of revolution, stretched to the width, depth and height of a space."""
-    turned = revolution(
-        np.array(presets()["profiles"][profile]) * [0.5, 1],
-        sections=32,
-    )
-    turned.vertices = turned.vertices * space.size
+    turned = revolution(presets()["profiles"][profile], sections=32)
+    turned.vertices = turned.vertices * space.size * [0.5, 0.5, 1]
     yield material, turned
 
 
@@ -75,7 +71,7 @@ def blob(
     space: Box,
     *,
     material: str = "fabric",
-    noise: float = 0.1,
+    noise: float,
     squareness: float = 0.0,
 ) -> Iterator[Solids]:
     """A rounded, uneven body: cushion, fruit, stone, toy."""
@@ -86,9 +82,9 @@ def blob(
         squareness=squareness,
         fineness=3,
     )
-    low, high = body.bounds
-    body.vertices = (body.vertices - (low + high) / 2) * space.size / (high - low)
-    yield material, move(body, (0, 0, space.z1 / 2))
+    centred = body.vertices - body.bounds.mean(axis=0)
+    body.vertices = centred * space.size / body.extents + space.middle
+    yield material, body
 
 
 def cloth(
@@ -100,10 +96,12 @@ def cloth(
     """A curtain in folds, or a towel that hangs."""
     width, _, height = space.size
     thickness = 0.006
-    folds = kit.between(5, 9) * width if style == "curtain" else kit.between(0.5, 2)
+    folds, phase, shift = kit.draw(style)
+    if style == "curtain":
+        folds *= width
     columns = np.linspace(space.x0, space.x1, max(9, int(10 * folds) + 1))
     x, z = np.meshgrid(columns, np.linspace(0, height, 7), indexing="ij")
-    phase = kit.between(0, 2 * np.pi) + 0.3 * np.sin(3 * z / height + kit.between(0, 6))
+    phase = phase + 0.3 * np.sin(3 * z / height + shift)
     wave = np.sin(2 * np.pi * folds * (x / width + 0.5) + phase)
     y = (space.y1 - thickness) * wave * (1 - 0.3 * z / height)
     yield "fabric", sheet(np.stack([x, y, z], -1), thickness)
@@ -112,9 +110,8 @@ def cloth(
 def rug(kit: Kit, space: Box) -> Iterator[Solids]:
     """A rug on the floor, a fifth of them oval."""
     x0, x1, y0, y1 = space.floor
-    outline = np.array([(x0, y0), (x1, y0), (x1, y1), (x0, y1)])
-    if kit.chance(0.2):
-        outline = ellipse(space.size[:2], 40)
+    corners = [(x0, y0), (x1, y0), (x1, y1), (x0, y1)]
+    outline = ellipse(space.size[:2], 40) if kit.chance(0.2) else corners
     yield "fabric", extrusion(outline, space.z1)
 
 
@@ -127,9 +124,9 @@ def plant(kit: Kit, space: Box, *, style: str = "leaves") -> Piece:
     yield from vessel(kit, Box.standing((0.9 * pot, 0.9 * pot, pot)), profile="pot")
     green = kit.material("leaf")
     if style == "bush":
-        leaves = Box.standing((width, width, 0.9 * crown))
+        leaves = Box.standing((width, width, height)).cut(z0=pot + 0.1 * crown)
         bush = kit.part(*next(blob(kit, leaves, material="leaf", noise=0.35)))
-        yield green, move(bush.mesh, (0, 0, pot + 0.1 * crown))
+        yield green, bush.mesh
         stem = [(0, 0, 0.8 * pot), (0, 0, pot + 0.3 * crown)]
         yield green, sweep(stem, 0.03 * pot + 0.01, 6)
     else:
@@ -171,12 +168,12 @@ def picture(
     paint = kit.material(material)._replace(emission=emission)
     yield (
         paint,
-        space.inset(x0=half, x1=half, y0=depth / 3, z0=half, z1=half),
+        space.inset(x=half, y0=depth / 3, z=half),
     )
     yield (
         kit.material("wood", "metal"),
         space.ends("z", edge),
-        space.inset(z0=edge, z1=edge).ends("x", edge),
+        space.inset(z=edge).ends("x", edge),
     )
 
 
@@ -191,11 +188,9 @@ def pipe(
     metal = kit.material("metal")
     number = kit.count((1, 2))
     x = space.x1
-    if level:  # both ends at the wall
-        y = space.y1 - radius
-        z = radius
-        ends = [(-x, y, z), (-x, -y, z), (x, -y, z), (x, y, z)]
-        first = _round_corners(np.array(ends))
+    if level:
+        bend = np.multiply(presets()["rail"], (x, space.y1 - radius))
+        first = np.pad(bend, [(0, 0), (0, 1)], constant_values=radius)
         step = np.array([0, 0, space.z1 - 2 * radius])
     else:
         left = x / number - x
@@ -205,22 +200,12 @@ def pipe(
         yield metal, sweep(first + k * step, radius)
 
 
-def _round_corners(path: Array) -> Array:
-    """Path (M, 3), m, with three points close to it in place of each inner corner."""
-    corners = path[1:-1]
-    before = corners + 0.2 * (path[:-2] - corners)
-    after = corners + 0.2 * (path[2:] - corners)
-    middle = (before + after + 2 * corners) / 4
-    bends = np.stack([before, middle, after], 1).reshape(-1, 3)
-    return np.vstack([path[:1], bends, path[-1:]])
-
-
 def radiator(kit: Kit, space: Box) -> Piece:
     """Upright fins between two rails, on feet."""
     width, depth, height = space.size
-    inside = space.inset(x0=0.02, x1=0.02, y0=depth / 4, y1=depth / 4)
+    inside = space.inset(x=0.02, y=depth / 4)
     x = np.linspace(inside.x0, inside.x1, max(3, int(width / 0.07)))
-    feet = space.inset(y0=depth / 5, y1=depth / 5).cut(z1=0.12 * height)
+    feet = space.inset(y=depth / 5).cut(z1=0.12 * height)
     yield (
         "paint",
         space.cut(z0=0.11 * height, z1=0.97 * height).bars("x", x, 0.02),
@@ -252,17 +237,12 @@ def stack(
     material: str = "paper",
 ) -> Piece:
     """Boxes or papers piled up, each turned a little; a single one is not turned."""
-    width, depth, height = space.size
     number = kit.count(count)
-    shares = np.sort(kit.rng.uniform(0.15, 1, number - 1))
-    levels = height * np.unique([0.0, *shares.round(2), 1.0])
-    for z0, z1 in pairwise(levels):
+    shares = kit.rng.uniform(0.15, 1, number - 1).round(2)
+    for z0, z1 in pairwise(space.z1 * np.unique([0.0, *shares, 1.0])):
         layer = space.cut(z0=z0, z1=z1 - 1e-3)
-        yield (
-            material,
-            _case(kit, layer) if number > 1 else layer,
-        )
-    yield Top(Rectangle.about((0, 0), (2 * width / 3, 2 * depth / 3)), height, 0.4)
+        yield material, _case(kit, layer) if number > 1 else layer
+    yield Top(Rectangle(*np.divide(space.floor, 1.5)), space.z1, 0.4)
 
 
 def _case(kit: Kit, space: Box) -> Trimesh:

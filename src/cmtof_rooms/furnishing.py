@@ -19,16 +19,6 @@ from cmtof_rooms.vacancy import (
 
 WARM = (1.0, 0.93, 0.82)  # colour of lamps
 
-# Order in which things are placed, by where they stand.
-RANK = {
-    "wall": 0,
-    "corner": 0,
-    "free": 1,
-    "hung": 2,
-    "flat": 3,
-    "ceiling": 4,
-}
-
 
 @dataclass
 class Furnishing(Vacancy):
@@ -43,10 +33,10 @@ class Furnishing(Vacancy):
     things: list[Thing] = field(default_factory=list)
 
     def fill(self, counts: Values) -> None:
-        """Place furniture in the order of `_rank`, each kind about as often as ``counts`` says."""
+        """Place furniture in the order of `presets.yml`, each kind about as often as ``counts``."""
         drawn = {name: self._times(mean) for name, mean in counts.items()}
-        for name in sorted(drawn, key=_rank):
-            for _ in range(drawn[name]):
+        for name in presets()["kinds"]:
+            for _ in range(drawn.get(name, 0)):
                 self._furnish(name)
 
     def _times(self, mean: float) -> int:
@@ -67,9 +57,9 @@ class Furnishing(Vacancy):
 
     def _size(self, name: str) -> Extents:
         """Draw a size of a kind, m, that fits under the ceiling."""
-        width, depth, height = self.kit.each(_kind(name)["size"])
-        most = self.shell.height - self.shell.lowest - 0.01
-        return width, depth, min(height, most)
+        size = np.array(self.kit.each(_kind(name)["size"]))
+        size[2] = min(size[2], self.shell.height - self.shell.lowest - 0.01)
+        return size
 
     def _stand(self, name: str, size: Extents, place: Place) -> list[Top]:
         """Make a thing, stand it at a place, and return its tops, on which others can stand."""
@@ -90,17 +80,16 @@ class Furnishing(Vacancy):
 
     def _seat(self, name: str, count: int, place: Place, size: Extents) -> None:
         """Stand seats along the two long sides of a table, or at the front of a desk."""
-        sides = min(count, 2)
-        columns = -(-count // sides)
+        columns = -(-count // 2)
         for k in range(count):
             seat = self._size(name)
-            column, side = divmod(k, sides)
+            column, side = divmod(k, 2)
             if size[0] < columns * (seat[0] + 0.05):
                 continue
             x = size[0] * ((column + 0.5) / columns - 0.5)
             y = size[1] / 2 + seat[1] / 2 + self.kit.between(0.02, 0.25)
-            spot = place.at(x, y) if side else place.at(x, -y, turn=np.pi)
-            spot = spot.at(0.0, 0.0, turn=self.kit.between(-0.1, 0.1))
+            turn = self.kit.between(-0.1, 0.1) + (0.0 if side else np.pi)
+            spot = place.at(x, y if side else -y, turn=turn)
             area = Rectangle.about(spot[:2], turned_size(seat, spot.turn))
             # a seat may stand where its table keeps the floor clear
             if self.take(area, seat[2], area, self.shell.keep):
@@ -117,9 +106,9 @@ class Furnishing(Vacancy):
         """Make a thing and stand it on a top beside what stands there, if it fits."""
         for _ in range(4):
             size = self._size(name)
-            if (np.array(size) > [*top.area.size, top.room - 0.02]).any():
+            if (size > [*top.area.size, top.room - 0.02]).any():
                 continue
-            half = np.array(size[:2]) / 2
+            half = size[:2] / 2
             middle = self.kit.rng.uniform(top.area.start + half, top.area.end - half)
             area = Rectangle.about(middle, size[:2])
             if not area.meets(used):
@@ -131,10 +120,3 @@ class Furnishing(Vacancy):
 def _kind(name: str) -> Kind:
     """Kind of furniture by its name."""
     return presets()["kinds"][name]
-
-
-def _rank(name: str) -> tuple[int, float]:
-    """Sort key of a kind of furniture: first `RANK` of where it stands, then large to small."""
-    kind = _kind(name)
-    (width, wider), (depth, deeper), _ = kind["size"]
-    return RANK[kind["at"]], -(width + wider) * (depth + deeper)

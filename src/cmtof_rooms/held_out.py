@@ -10,20 +10,20 @@ from dataclasses import replace
 
 from cmtof.frame import Frame, held_out_frames
 from cmtof.simulation import simulate
-from cmtof_rooms.rendering import Settings, split_of, views_of_room
+from cmtof_rooms.rendering import Settings, list_views, split_of, views_of_room
 
 SETTINGS = Settings(seed=3, scenes=10_000, views=2, height=384, width=512)
 
 
 def view_across(index: int, settings: Settings) -> Frame:
     """First view across the room with number ``index``."""
-    return next(views_of_room(settings, index, [("cam_00", 0)])).frame
+    return next(views_of_room(settings, index, list_views(settings, index))).frame
 
 
 def views_of_size(height: int, width: int) -> list[Frame]:
     """The 32 views of the test set, rendered at another size, px."""
     settings = replace(SETTINGS, height=height, width=width)
-    rooms = [frame.name.removesuffix("/cam_00") for frame in held_out_frames()]
+    rooms = [frame.name.partition("/")[0] for frame in held_out_frames()]
     return [view_across(int(room.rpartition("_")[2]), settings) for room in rooms]
 
 

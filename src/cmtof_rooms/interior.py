@@ -175,7 +175,11 @@ class Interior:
         found = np.zeros(position.shape, np.float32)
         start = position + 2e-4 * normal
         for light in self.lights:
-            to = _ways(light, start, sample)
+            to = np.asarray(light.centre, np.float32) - start
+            if sample is not None:
+                places = np.stack([sample % 4, sample // 4], -1).astype(np.float32)
+                sides = np.array([light.half_u, light.half_v], np.float32)
+                to += (places / 2 - 0.75) @ sides
             reach = np.sqrt(np.einsum("...i,...i", to, to))
             to /= np.maximum(reach, 1e-6)[..., None]
             given = light.power * np.einsum("...i,...i", to, normal)
@@ -227,15 +231,6 @@ class Interior:
         found = np.zeros_like(seen.normal)
         found[asked] = self.bounce.irradiance(seen.position[asked], seen.normal[asked])
         return np.where(alike[..., None], found[lead], found)
-
-
-def _ways(light: Light, start: Array, sample: Numbers | None) -> Array:
-    """Vectors (..., 3), m, from points to a light's centre, or to one of 4 x 4 places on it."""
-    ways = np.asarray(light.centre, np.float32) - start
-    if sample is not None:
-        places = np.stack([sample % 4, sample // 4], -1).astype(np.float32) / 2 - 0.75
-        ways += places @ np.array([light.half_u, light.half_v], np.float32)
-    return ways
 
 
 def _numbers(counts: list[int]) -> Numbers:

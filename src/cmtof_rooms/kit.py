@@ -10,14 +10,14 @@ from typing import Any, NamedTuple
 
 import numpy as np
 from numpy.random import Generator
-from trimesh import Trimesh
+from numpy.typing import ArrayLike
 
-from cmtof.types import Fields, Pair, Values
-from cmtof_rooms.boxes import Box, Rectangle
+from cmtof.types import Fields, Pair
+from cmtof_rooms.boxes import Rectangle
 from cmtof_rooms.materials import Material
 from cmtof_rooms.presets import presets
-from cmtof_rooms.solids import join, slab
-from cmtof_rooms.things import Light, Part
+from cmtof_rooms.solids import join
+from cmtof_rooms.things import Light, Part, Solid, meshes_of
 
 
 class Top(NamedTuple):
@@ -29,7 +29,7 @@ class Top(NamedTuple):
 
 
 # Solids of one material, or of one drawn for a role, which become a part.
-Solids = tuple[Material | str, *tuple[Trimesh | Box, ...]]
+Solids = tuple[Material | str, *tuple[Solid, ...]]
 
 Piece = Iterator[Solids | Top | Light]  # A piece of furniture as its maker yields it
 
@@ -53,16 +53,15 @@ class Kit:
         role = roles[0] if len(roles) == 1 else self.rng.choice(roles)
         return self.pick(self.palette[role])
 
-    def part(self, material: Material | str, *solids: Trimesh | Box) -> Part:
+    def part(self, material: Material | str, *solids: Solid) -> Part:
         """Join solids to a part of one material, which is given or drawn for a role."""
         if isinstance(material, str):
             material = self.material(material)
-        meshes = [slab(*one) if isinstance(one, Box) else one for one in solids]
-        return Part(material, join(meshes))
+        return Part(material, join(meshes_of(solids)))
 
     def pick(self, items: Sequence) -> Any:
         """Draw one of several items."""
-        return items[int(self.rng.integers(len(items)))]
+        return items[self.rng.integers(len(items))]
 
     def between(self, low: float, high: float) -> float:
         """Draw a number evenly between two limits."""
@@ -78,8 +77,7 @@ class Kit:
 
     def count(self, limits: Sequence[int]) -> int:
         """Draw a whole number evenly from the lowest to the highest."""
-        low, high = limits
-        return int(self.rng.integers(low, high, endpoint=True))
+        return int(self.rng.integers(*limits, endpoint=True))
 
     def chance(self, share: float) -> bool:
         """Draw whether something happens that does so in a share of cases."""
@@ -104,7 +102,7 @@ def _material(rng: Generator, drawn: Fields) -> Material:
     first, second = np.clip(pair * rng.uniform(0.75, 1.2, (2, 1)), 0.01, 0.92)
     mix = rng.uniform(0.15, 0.7) * (second - first) * rng.uniform(0.5, 1.0)
     second = 0.8 * (first + mix)
-    pattern = weighted_choice(rng, drawn["patterns"])
+    pattern = weighted_choice(rng, *zip(*drawn["patterns"].items(), strict=True))
     return Material(
         tuple(first),
         tuple(second),
@@ -113,7 +111,6 @@ def _material(rng: Generator, drawn: Fields) -> Material:
     )
 
 
-def weighted_choice(rng: Generator, weights: Values) -> str:
-    """Draw a name by its weight."""
-    odds = np.fromiter(weights.values(), float)
-    return str(rng.choice(list(weights), p=odds / odds.sum()))
+def weighted_choice(rng: Generator, items: Sequence, weights: ArrayLike) -> Any:
+    """Draw one of several items by its weight."""
+    return items[rng.choice(len(items), p=np.divide(weights, np.sum(weights)))]

@@ -18,7 +18,7 @@ class Material(NamedTuple):
 
     colour: Colour = (0.6, 0.6, 0.6)
     second: Colour = (0.6, 0.6, 0.6)  # the pattern's other colour
-    pattern: str = "plain"  # key of `PATTERNS`
+    pattern: str = "plain"  # or a key of `PATTERNS`
     scale: float = 0.1  # period of the pattern, m
     # Radiance of its own light per reflectance; a white wall at irradiance 1 has radiance 1.
     emission: float = 0.0
@@ -31,8 +31,7 @@ def _hash(i: Array, j: Array) -> Array:
     bits ^= bits >> 13
     bits *= 1274126177
     bits ^= bits >> 16
-    bits &= 0xFFFF
-    return bits.astype(np.float32) / 65536
+    return (bits & 0xFFFF).astype(np.float32) / 65536
 
 
 def _noise(s: Array, t: Array) -> Array:
@@ -41,8 +40,7 @@ def _noise(s: Array, t: Array) -> Array:
     j = np.floor(t)
     x = _smooth_step(s - i)
     y = _smooth_step(t - j)
-    low = _mix(_hash(i, j), _hash(i + 1, j), x)
-    high = _mix(_hash(i, j + 1), _hash(i + 1, j + 1), x)
+    low, high = [_mix(_hash(i, row), _hash(i + 1, row), x) for row in (j, j + 1)]
     return _mix(low, high, y)
 
 
@@ -54,11 +52,6 @@ def _mix(first: Array, second: Array, share: Array) -> Array:
 def _smooth_step(share: Array) -> Array:
     """Share, 0 to 1, bent so that its slope is 0 at both ends (smoothstep)."""
     return share * share * (3 - 2 * share)
-
-
-def _plain(s: Array, t: Array) -> Array:
-    """No pattern."""
-    return np.zeros_like(s)
 
 
 def _stripes(s: Array, t: Array) -> Array:
@@ -106,9 +99,8 @@ def _dots(s: Array, t: Array) -> Array:
     return (off_centre < 0.09).astype(np.float32)
 
 
-# Share, 0 to 1, of the second colour at coordinates in periods.
+# Share, 0 to 1, of the second colour at coordinates in periods; a plain material has no pattern.
 PATTERNS: dict[str, Callable[[Array, Array], Array]] = {
-    "plain": _plain,
     "stripes": _stripes,
     "checks": _checks,
     "tiles": _tiles,
@@ -164,7 +156,7 @@ class Palette:
         """
         found = self._colour[number]
         patterns = self._pattern[number]
-        for name in set(self._pattern) - {"plain"}:
+        for name in PATTERNS:
             some = patterns == name
             kind = number[some]
             scale = self._scale[kind]

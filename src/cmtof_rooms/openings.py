@@ -31,7 +31,7 @@ def add_door(kit: Kit, shell: Shell, wall: Wall) -> None:
         (kit.material("metal"), handle),
         (
             front,
-            frame.inset(x0=-0.07, x1=-0.07).ends("x", 0.07),
+            frame.inset(x=-0.07).ends("x", 0.07),
             frame.cut(z0=height),
         ),
     )
@@ -51,9 +51,9 @@ def add_passage(kit: Kit, shell: Shell, wall: Wall) -> None:
     _add_room_beyond(kit, shell, wall, space)
     length = space.x1 - space.x0
     shell.beyond.append(Wall(wall.place.at(space.x0, far), length))
-    middle = (space.x0 + length / 2, (THICKNESS + far) / 2, ceiling - 0.03)
+    lamp = wall.place.carry(space.cut(z0=ceiling - 0.06).middle)
     power = min(0.25 * length * depth, 2.0)
-    shell.lights.append(level_light(wall.place.carry(middle), 0.4, 0.4, power))
+    shell.lights.append(level_light(lamp, 0.4, 0.4, power))
 
 
 def _doorway(
@@ -78,7 +78,7 @@ def _add_room_beyond(kit: Kit, shell: Shell, wall: Wall, space: Box) -> None:
     """Add walls, floor and ceiling of a room beyond a wall, about its free space."""
     t = THICKNESS
     paint = kit.material("wall")
-    outer = space.inset(x0=-t, x1=-t, y1=-t)
+    outer = space.inset(x=-t, y1=-t)
     shell.build(
         "room beyond",
         wall.place,
@@ -140,13 +140,14 @@ def _glaze(
 
 def _daylight(wall: Wall, holes: Rectangles, power: float) -> Light:
     """One light for a row of windows."""
-    start, _, sill, head = holes[0]
-    end = holes[-1].x1
+    row = holes[0]._replace(x1=holes[-1].x1)
+    x, z = (row.start + row.end) / 2
+    half_x, half_z = row.size / 2
     along, outwards, up = turn_about_z(wall.place.turn)
     return Light(
-        wall.place.carry(((start + end) / 2, -0.01, (sill + head) / 2)),
-        along * (end - start) / 2,
-        up * (head - sill) / 2,
+        wall.place.carry((x, -0.01, z)),
+        along * half_x,
+        up * half_z,
         -outwards,
         power,
         SKY,

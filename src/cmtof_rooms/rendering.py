@@ -72,8 +72,8 @@ class Settings:
         angle = np.radians(
             stream(self.seed, index, LENS).choice([60, 60, 60, 52, 44, 35])
         )
-        drawn = self.width / 2 / np.tan(angle / 2)
-        focal = float(self.focal if self.focal is not None else drawn)
+        drawn = float(self.width / 2 / np.tan(angle / 2))
+        focal = drawn if self.focal is None else self.focal
         if not 1 <= focal < 1e6:
             raise ValueError(
                 f"Expected a focal length of 1 to 1e6 px, got {focal}. Try the width."
@@ -84,17 +84,16 @@ class Settings:
 class RenderedView(NamedTuple):
     """One rendered view, in memory."""
 
+    view: View
     room: FurnishedRoom
     lens: Lens
-    camera: str  # ``cam_00`` across the room, ``cam_01`` close to things
-    number: int  # of the view among those of its camera
     picture: Picture
 
     @property
     def frame(self) -> Frame:
         """Frame for the simulator: range, linear green, camera."""
         green = self.picture.color[..., 1]
-        name = f"{self.room.name}/{self.camera}"
+        name = f"{self.view.scene}/{self.view.camera}"
         return Frame(self.picture.depth, green, self.lens.camera, name)
 
 
@@ -161,15 +160,21 @@ def expose(seen: Picture, rank: float) -> Picture:
 def render_views(settings: Settings) -> Iterator[RenderedView]:
     """Render a set in this process, view by view, without writing anything."""
     for index in range(settings.scenes):
-        yield from views_of_room(settings, index, _views(index, settings.views))
+        yield from views_of_room(settings, index, list_views(settings, index))
+
+
+def list_views(settings: Settings, index: int) -> list[View]:
+    """Views of a room: those across it (``cam_00``), then those close to things (``cam_01``)."""
+    name = room_name(settings.seed, index)
+    close = close_views(index, settings.views)
+    across = [View(name, "cam_00", k) for k in range(settings.views - close)]
+    return across + [View(name, "cam_01", k) for k in range(close)]
 
 
 def views_of_room(
-    settings: Settings,
-    index: int,
-    views: list[tuple[str, int]],
+    settings: Settings, index: int, views: list[View]
 ) -> Iterator[RenderedView]:
-    """Render and expose views of one room, given by camera and number.
+    """Render and expose some of the views of one room.
 
     Exposures step by the golden section through rooms and views: even small sets have their share
     of dark and bright ones.
@@ -178,13 +183,13 @@ def views_of_room(
     lens = settings.lens(index)
     cameras = room.cameras(settings.views, lens)
     start = stream(settings.seed, 0, EXPOSURE).uniform()
-    for camera, number in views:
-        pose = cameras[camera][number]
+    for view in views:
+        pose = cameras[view.camera][view.number]
         seen = room.interior.render(pose.position, lens.rays(pose.orientation))
         # this count of a view does not depend on how many there are
-        count = 7 * index + number + 4 * int(camera[-2:])
+        count = 7 * index + view.number + 4 * (view.camera == "cam_01")
         rank = (start + 0.6180339887498949 * count) % 1
-        yield RenderedView(room, lens, camera, number, expose(seen, rank))
+        yield RenderedView(view, room, lens, expose(seen, rank))
 
 
 def view_exists(root: Path, view: View) -> bool:
@@ -220,20 +225,11 @@ def write_view(root: Path, view: View, **arrays: ArrayLike) -> None:
 
 def render_room(root: Path, settings: Settings, index: int) -> Report:
     """Write the views of one room that are not there yet."""
-    name = room_name(settings.seed, index)
-    views = _views(index, settings.views)
-    missing = [view for view in views if not view_exists(root, View(name, *view))]
+    views = list_views(settings, index)
+    missing = [view for view in views if not view_exists(root, view)]
     for seen in views_of_room(settings, index, missing) if missing else ():
-        view = View(name, seen.camera, seen.number)
-        write_view(root, view, **seen.picture._asdict())
-    return Report(name, len(missing))
-
-
-def _views(index: int, views: int) -> list[tuple[str, int]]:
-    """Camera and frame of a room's views: those across the room, then the close ones."""
-    close = close_views(index, views)
-    across = [("cam_00", frame) for frame in range(views - close)]
-    return across + [("cam_01", frame) for frame in range(close)]
+        write_view(root, seen.view, **seen.picture._asdict())
+    return Report(room_name(settings.seed, index), len(missing))
 
 
 def render_rooms(
@@ -266,7 +262,7 @@ def render_rooms(
         room_name(settings.seed, index): (
             split_of(index),
             settings.lens(index).focal,
-            _views(index, settings.views),
+            [view[1:3] for view in list_views(settings, index)],
         )
         for index in range(settings.scenes)
     }

@@ -65,8 +65,6 @@ class FurnishedRoom:
     ----------
     seed, index : int
         Of the set, and the room's place in it.
-    kind : str
-        One of the ``rooms`` of `presets.yml`.
     interior : Interior
     floor : list of Rectangle
     height : float
@@ -77,16 +75,10 @@ class FurnishedRoom:
 
     seed: int
     index: int
-    kind: str
     interior: Interior
     floor: Rectangles
     height: float
     furniture: list[Thing]
-
-    @property
-    def name(self) -> str:
-        """Folder of the room, see `room_name`."""
-        return room_name(self.seed, self.index)
 
     def cameras(self, views: int, lens: Lens) -> dict[str, Cameras]:
         """Poses of ``cam_00`` (across the room) and ``cam_01`` (close to things).
@@ -94,35 +86,35 @@ class FurnishedRoom:
         Together ``views``; the first ones stay the same when more are asked for.
         """
         close = close_views(self.index, views)
-        across = choose_cameras(
-            views - close,
-            self.interior,
-            lens,
-            stream(self.seed, self.index, ACROSS),
-            wanted=range_across,
-            draw=partial(camera_across, self.floor, self.height),
-        )
-        near = choose_cameras(
-            close,
-            self.interior,
-            lens,
-            stream(self.seed, self.index, CLOSE),
-            wanted=range_close,
-            draw=partial(camera_close, middles_of(self.furniture)),
-        )
-        return {"cam_00": across, "cam_01": near}
+        across = partial(camera_across, self.floor, self.height)
+        near = partial(camera_close, middles_of(self.furniture))
+        wanted = {
+            "cam_00": (views - close, ACROSS, range_across, across),
+            "cam_01": (close, CLOSE, range_close, near),
+        }
+        return {
+            name: choose_cameras(
+                count,
+                self.interior,
+                lens,
+                stream(self.seed, self.index, use),
+                middle,
+                draw,
+            )
+            for name, (count, use, middle, draw) in wanted.items()
+        }
 
 
 def build_room(seed: int, index: int) -> FurnishedRoom:
     """Build, furnish and light one room; the same pair of numbers gives the same room."""
     rng = stream(seed, index, ROOM)
-    rooms = presets()["rooms"]
-    kind = weighted_choice(rng, {name: room["weight"] for name, room in rooms.items()})
+    rooms = list(presets()["rooms"].values())
+    room = weighted_choice(rng, rooms, [room["weight"] for room in rooms])
     kit = household(rng)
-    shell = build_shell(kit, rooms[kind])
+    shell = build_shell(kit, room)
     inside = Furnishing(shell, kit, clear=list(shell.keep))
     tidy = kit.between(0.7, 1.5)
-    inside.fill({name: tidy * mean for name, mean in rooms[kind]["things"].items()})
+    inside.fill({name: tidy * mean for name, mean in room["things"].items()})
     for wall in shell.beyond:
         inside.things += _things_beyond(wall, kit)
     interior = Interior(
@@ -134,7 +126,6 @@ def build_room(seed: int, index: int) -> FurnishedRoom:
     return FurnishedRoom(
         seed,
         index,
-        kind,
         interior,
         shell.floor,
         shell.height,
@@ -146,14 +137,7 @@ def _things_beyond(wall: Wall, kit: Kit) -> list[Thing]:
     """Furniture at the far wall of a room beyond a passage."""
     everywhere = Rectangle(-99.0, 99.0, -99.0, 99.0)
     far = Furnishing(Shell(0.0, 0.0, 2.0, [wall], [everywhere]), kit)
-    far.fill(
-        {
-            "sideboard": 0.5,
-            "picture": 0.7,
-            "big_plant": 0.5,
-            "bookcase": 0.3,
-        }
-    )
+    far.fill(presets()["beyond"])
     return far.things
 
 

@@ -5,6 +5,7 @@ from itertools import product
 
 import numpy as np
 import trimesh
+from numpy.lib.stride_tricks import sliding_window_view
 from numpy.random import Generator
 from numpy.typing import ArrayLike
 from trimesh import Trimesh
@@ -35,20 +36,14 @@ def mesh_from(vertices: Array, faces: ArrayLike) -> Trimesh:
     return Trimesh(vertices, faces, process=False)
 
 
-def slab(*limits: ArrayLike) -> Trimesh:
-    """Box between limits x0, x1, y0, y1, z0, z1, m; several from arrays.
+def slab(*limits: float) -> Trimesh:
+    """Box between limits x0, x1, y0, y1, z0, z1, m.
 
     >>> slab(0, 1, 0, 2, 1, 4).bounds.tolist()
     [[0.0, 0.0, 1.0], [1.0, 2.0, 4.0]]
-    >>> float(slab(0, 1, 0, 2, [0, 2], [1, 3]).volume)
-    4.0
     """
-    each = np.stack(np.broadcast_arrays(*limits), -1).reshape(-1, 1, 6)
-    low = each[..., ::2]
-    high = each[..., 1::2]
-    corners = _CORNERS * (high - low) + (low + high) / 2
-    faces = _BOX_FACES + 8 * np.arange(len(each))[:, None, None]
-    return mesh_from(corners.reshape(-1, 3), faces.reshape(-1, 3))
+    low, high = np.reshape(limits, (3, 2)).T
+    return mesh_from(_CORNERS * (high - low) + (low + high) / 2, _BOX_FACES)
 
 
 def extrusion(outline: ArrayLike, height: float) -> Trimesh:
@@ -105,7 +100,9 @@ def plate(
         upright = slice(*np.searchsorted(z, hole[2:]))
         whole[across, upright] = False
     flat = trimesh.creation.extrude_triangulation(
-        [*product(x, z)], triangles_of(cells[whole]), thickness
+        [*product(x, z)],
+        triangles_of(cells[whole]),
+        thickness,
     )
     # (x, z, y) to (x, y, z) is a reflection
     return mesh_from(flat.vertices[:, [0, 2, 1]], flat.faces[:, ::-1])
@@ -118,15 +115,8 @@ def _lines(length: float, edges: Array) -> Array:
 
 def cells_of(number: Numbers) -> Numbers:
     """Corners (N - 1, M - 1, 4), in turn, of the cells of a grid of numbered points (N, M)."""
-    low = number[:-1]
-    high = number[1:]
-    corners = [
-        low[:, :-1],
-        high[:, :-1],
-        high[:, 1:],
-        low[:, 1:],
-    ]
-    return np.stack(corners, -1)
+    squares = sliding_window_view(number, (2, 2))
+    return squares.reshape(*squares.shape[:2], 4)[..., [0, 2, 3, 1]]
 
 
 def triangles_of(cells: Numbers) -> Numbers:
@@ -221,8 +211,7 @@ def ball(
     points = np.array(unit.vertices)
     if squareness:
         power = 2 / (1 - squareness)
-        total = (np.abs(points) ** power).sum(axis=1, keepdims=True)
-        points /= total ** (1 / power)
+        points /= np.linalg.norm(points, power, axis=1, keepdims=True)
     if rng is not None and noise:
         waves = rng.normal(0, 3.0, (6, 3))
         phase = rng.uniform(0, 2 * np.pi, 6)
@@ -241,16 +230,10 @@ def sheet(grid: ArrayLike, thickness: float) -> Trimesh:
     """
     points = np.asarray(grid, float)
     diagonal = points[-1, -1] - points[0, 0]
-    other = points[-1, 0] - points[0, -1]
-    normal = np.cross(other, diagonal)
+    normal = np.cross(points[-1, 0] - points[0, -1], diagonal)
     back = points - thickness * normal / np.linalg.norm(normal)
-    vertices = np.concatenate([points, back]).reshape(-1, 3)
-    return mesh_from(vertices, _sheet_faces(len(vertices) // 2, points.shape[1]))
-
-
-def _sheet_faces(count: int, columns: int) -> Numbers:
-    """Triangles of a closed sheet whose two sides have ``count`` vertices each, row by row."""
-    number = np.arange(count).reshape(-1, columns)
+    number = np.arange(points[..., 0].size).reshape(points.shape[:2])
+    behind = number.size
     front = triangles_of(cells_of(number).reshape(-1, 4))
     edges = [
         number[:-1, 0],
@@ -260,14 +243,14 @@ def _sheet_faces(count: int, columns: int) -> Numbers:
     ]
     rim = np.concatenate(edges)
     following = np.roll(rim, -1)
-    return np.concatenate(
-        [
-            front,
-            front[:, ::-1] + count,
-            _join_corners(rim, rim + count, following),
-            _join_corners(following, rim + count, following + count),
-        ]
-    )
+    faces = [
+        front,
+        front[:, ::-1] + behind,
+        _join_corners(rim, rim + behind, following),
+        _join_corners(following, rim + behind, following + behind),
+    ]
+    vertices = np.concatenate([points, back]).reshape(-1, 3)
+    return mesh_from(vertices, np.concatenate(faces))
 
 
 def join(meshes: Iterable[Trimesh]) -> Trimesh:

@@ -1,5 +1,6 @@
 """What a room consists of: solids of one material, things made of them, lights, and places."""
 
+from collections.abc import Iterable
 from typing import NamedTuple
 
 import numpy as np
@@ -9,7 +10,20 @@ from trimesh import Trimesh
 from cmtof.types import Array
 from cmtof_rooms.boxes import Box, Vector
 from cmtof_rooms.materials import Colour, Material
-from cmtof_rooms.solids import join, mesh_from, slab, turn_about_z
+from cmtof_rooms.solids import join, move, slab, turn_about_z
+
+Solid = Trimesh | Box
+
+
+def meshes_of(solids: Iterable[Solid]) -> list[Trimesh]:
+    """Meshes of solids, one after the other; a box with arrays as limits becomes several."""
+    meshes = []
+    for solid in solids:
+        if isinstance(solid, Box):
+            meshes += [slab(*single) for single in solid.singles()]
+        else:
+            meshes.append(solid)
+    return meshes
 
 
 class Part(NamedTuple):
@@ -49,17 +63,11 @@ class Place(NamedTuple):
         x, y, z = self.carry((x, y, z))
         return Place(x, y, self.turn + turn, z)
 
-    def parts(self, material: Material, *solids: Trimesh | Box) -> list[Part]:
+    def parts(self, material: Material, *solids: Solid) -> list[Part]:
         """Solids given in this frame, as parts of one material in the room's coordinates."""
-        meshes: list[Trimesh] = []
-        for solid in solids:
-            if isinstance(solid, Box):
-                meshes += [slab(*single) for single in solid.singles()]
-            else:
-                meshes.append(solid)
+        origin = (self.x, self.y, self.z)
         return [
-            Part(material, mesh_from(self.carry(mesh.vertices), mesh.faces))
-            for mesh in meshes
+            Part(material, move(mesh, origin, self.turn)) for mesh in meshes_of(solids)
         ]
 
 

@@ -5,22 +5,22 @@ from dataclasses import dataclass, field
 import numpy as np
 
 from cmtof.types import Array, Fields
-from cmtof_rooms.boxes import Rectangle, Rectangles, Triple, Vector
-from cmtof_rooms.kit import Kit
+from cmtof_rooms.boxes import Rectangle, Rectangles
+from cmtof_rooms.kit import Kit, weighted_choice
 from cmtof_rooms.shell import Shell, Wall
 from cmtof_rooms.solids import turn_about_z
 from cmtof_rooms.things import Light, Place
 
 Kind = Fields  # one of the ``kinds`` of `presets.yml`
 
-Extents = Triple  # width, depth, height, m
+Extents = Array  # width, depth, height, m
 
 TRIES = 14  # places that are tried for one thing before it is left out
 
 
-def turned_size(size: Vector, turn: float) -> Array:
+def turned_size(size: Extents, turn: float) -> Array:
     """Size along x and y, m, of a box that is turned by ``turn``, rad, about z."""
-    return np.abs(turn_about_z(turn)[:2]) @ np.asarray(size)
+    return np.abs(turn_about_z(turn)[:2]) @ size
 
 
 @dataclass
@@ -97,10 +97,8 @@ class Vacancy:
     def _at_wall(self, kind: Kind, size: Extents, foot: float) -> Place | None:
         """Try a place before a wall, in a corner, or on a wall with its foot at a height."""
         width, _, height = size
-        lengths = np.array([wall.length for wall in self.shell.walls])
-        # long walls more often
-        number = self.kit.rng.choice(len(lengths), p=lengths / lengths.sum())
-        wall = self.shell.walls[number]
+        walls = self.shell.walls
+        wall = weighted_choice(self.kit.rng, walls, [one.length for one in walls])
         last = wall.length - width - 0.04
         if wall.length < width + 0.1 or foot + height > self.shell.height - 0.02:
             return None
@@ -156,8 +154,6 @@ class Vacancy:
     def _under_ceiling(self, size: Extents) -> Place | None:
         """Try a place under the ceiling, away from other lamps and tall things."""
         width, depth, height = size
-        if self.shell.open:
-            return None
         floor = self.kit.pick(self.shell.floor)
         x, y = (
             floor.start + width + self.kit.rng.beta(2, 2, 2) * (floor.size - 2 * width)

@@ -4,7 +4,8 @@ import numpy as np
 from pytest import approx, mark
 
 from cmtof_rooms.boxes import Box, Rectangle
-from cmtof_rooms.solids import slab
+from cmtof_rooms.solids import join
+from cmtof_rooms.things import meshes_of
 
 CUBE = Box(0.0, 1.0, 0.0, 1.0, 0.0, 1.0)
 
@@ -30,10 +31,16 @@ def test_an_inset_lies_inside_at_its_side(side):
     )
 
 
+@mark.parametrize("axis", ["x", "y", "z"])
+def test_an_inset_of_an_axis_lies_inside_at_both_ends(axis):
+    both = {axis + "0": 0.25, axis + "1": 0.25}
+    assert CUBE.inset(**{axis: 0.25}) == CUBE.inset(**both)
+
+
 def test_limits_that_are_arrays_stand_for_several_boxes():
     ends = CUBE.ends("x", 0.25)
     assert ends.singles() == [CUBE.cut(x1=0.25), CUBE.cut(x0=0.75)]
-    assert slab(*ends).volume == approx(0.5)
+    assert join(meshes_of([ends])).volume == approx(0.5)
     bars = CUBE.bars("z", np.array([0.2, 0.5, 0.9]), 0.01)
     assert [round(bar.z0, 9) for bar in bars.singles()] == [
         0.19,

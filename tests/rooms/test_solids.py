@@ -11,7 +11,10 @@ GRID = np.stack([*np.mgrid[:3, :2], np.zeros((3, 2))], axis=-1)
 
 SOLIDS = {
     "box": (solids.slab(4, 5, 4, 6, 4, 7), 6.0),
-    "two boxes": (solids.slab(0, 1, 0, 2, [0, 4], [3, 5]), 8.0),
+    "two boxes": (
+        solids.join([solids.slab(0, 1, 0, 2, 0, 3), solids.slab(0, 1, 0, 2, 4, 5)]),
+        8.0,
+    ),
     "cylinder": (solids.extrusion(solids.ellipse((2, 2), 200), 2.0), TAU),
     "plate with a door and a window": (
         solids.plate(4.0, 2.5, 0.2, [(1, 2, 0, 2), (2.5, 3.5, 1, 2)]),
