@@ -7,7 +7,6 @@ import numpy as np
 from hypothesis import given
 from hypothesis import strategies as st
 from pytest import approx, mark
-from refusals import refused
 
 from cmtof import detector
 
@@ -27,12 +26,6 @@ def test_poisson_gaussian_has_both_variances_in_the_given_precision(rng, order):
     assert (noise(np.zeros(1000)).min() < 0) == (order == "paper")
 
 
-@mark.parametrize("bad", [-1.0, np.nan, np.inf])
-def test_impossible_means_are_refused(rng, bad):
-    with refused("Expected finite counts >= 0"):
-        detector.poisson_gaussian([1.0, bad], rng=rng, sigma=1.0)
-
-
 def test_skellam_difference_keeps_the_sum_of_the_variances(rng):
     d = detector.skellam_gaussian(
         np.full(DRAWS, 500.0), np.full(DRAWS, 300.0), rng=rng, sigma=10.0
@@ -47,5 +40,3 @@ def test_quantisation_errs_by_half_a_level_inside_and_saturates_outside(value, b
     q = detector.quantise(value, bits=bits, full_scale=16383.0)
     assert abs(q - np.clip(value, 0, 16383)) <= level / 2 * (1 + 1e-9)
     assert detector.quantise(q, bits=bits, full_scale=16383.0) == q
-    with refused("bits >= 1"):
-        detector.quantise(value, bits=0, full_scale=1.0)

@@ -97,12 +97,6 @@ def test_a_turned_pinhole_with_skew_is_found_again(fx, fy, cx, cy, skew, angles)
     assert_allclose(camera, expected, rtol=1e-7, atol=1e-7)
 
 
-@mark.parametrize("projection", [np.eye(3), np.full((3, 3), np.nan)], ids=["I", "nan"])
-def test_projections_that_show_nothing_are_refused(projection):
-    with refused("M_cam_from_uv"):
-        camera_from_projection(projection, SHAPE)
-
-
 def cut(path):
     path.write_bytes(path.read_bytes()[:700])
 

@@ -4,8 +4,7 @@ import numpy as np
 from hypothesis import given
 from hypothesis import strategies as st
 from numpy.testing import assert_allclose
-from pytest import approx, mark
-from refusals import WRONG, refused
+from pytest import approx
 from scipy.spatial.transform import Rotation
 
 from cmtof import jones
@@ -40,9 +39,3 @@ def test_beam_splitter_has_the_extinction_ratios_asked_for(transmitted, reflecte
     aside = abs(jones.polarising_beam_splitter("reflected", **settings)) ** 2
     assert through[0, 0] / through[1, 1] == approx(transmitted, rel=1e-6)
     assert aside[1, 1] / aside[0, 0] == approx(reflected, rel=1e-6)
-
-
-@mark.parametrize("name, arguments, message", WRONG["elements"])
-def test_impossible_elements_are_refused(name, arguments, message):
-    with refused(message):
-        getattr(jones, name)(**arguments)

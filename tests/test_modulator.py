@@ -7,7 +7,6 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 from numpy.testing import assert_allclose
 from pytest import approx, mark
-from refusals import WRONG, refused
 from scipy.special import jv
 
 from cmtof import jones
@@ -116,9 +115,3 @@ def test_delay_scales_the_drive_and_shifts_the_waveform(distance, mode):
         THETA + delayed.pass_delay / 2
     )
     assert_allclose(delayed.waveform(THETA), shifted, atol=1e-12)
-
-
-@mark.parametrize(("wrong", "message"), WRONG["modulators"])
-def test_impossible_modulators_are_refused(wrong, message):
-    with refused(message):
-        replace(SINGLE, **wrong)

@@ -3,7 +3,6 @@
 import numpy as np
 from numpy.testing import assert_allclose, assert_array_less
 from pytest import approx, fixture, mark
-from refusals import refused
 from scipy.stats import chi2, sem
 from walls import lit
 
@@ -156,25 +155,3 @@ def test_sigma_is_found_in_a_simulated_map_despite_outliers():
     noise = typical_phase_noise(phase, np.ones(phase.shape, bool))
     low, high = np.sqrt(interval(0.4 * 19 * (240 / 5) ** 2))
     assert low - 0.01 < sigma_from_phase_noise(noise, intensity=0.6) / 500 < high + 0.03
-
-
-FLAT = np.zeros((30, 30))
-
-
-@mark.parametrize(
-    ("call", "message"),
-    [
-        (lambda: sigma_from_phase_noise(1.9), r"phase noise between 0 and 1\.81 rad"),
-        (
-            lambda: sigma_from_phase_noise(0.1, intensity=[0.01, 1]),
-            r"brightness of 0\.0\d+ or",
-        ),
-        (lambda: typical_phase_noise(FLAT, FLAT > 0), "whole windows of 5 px"),
-        (lambda: denoise(FLAT, window=4), "odd window of 3 px or more, got 4"),
-        (lambda: local_phase_noise(np.zeros((2, 9, 9))), r"phase map \(H, W\)"),
-        (lambda: power_spectrum(FLAT, np.ones((4, 5), bool)), "finite values within"),
-    ],
-)
-def test_what_cannot_be_is_refused_in_one_line(call, message):
-    with refused(f"Expected .*{message}"):
-        call()

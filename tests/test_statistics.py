@@ -2,8 +2,6 @@
 
 import numpy as np
 from numpy.testing import assert_allclose, assert_array_equal
-from pytest import mark
-from refusals import refused
 
 from cmtof.statistics import conformal_quantile, ratio_interval, reliability
 
@@ -54,12 +52,6 @@ def test_true_confidences_have_no_calibration_error(rng):
     assert reliability(confidence, right).calibration_error < 0.01
     assert reliability(confidence**2, right).calibration_error > 0.1
     assert reliability(confidence, right).answers.sum() == confidence.size
-
-
-@mark.parametrize("confidence", [[0.5, 1.2], [0.5, np.nan], [0.5]])
-def test_reliability_refuses_what_is_no_probability(confidence):
-    with refused(r"probability in \[0, 1\]"):
-        reliability(confidence, [True, False])
 
 
 def test_reliability_of_nothing_is_nan():

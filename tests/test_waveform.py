@@ -5,8 +5,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 from hypothesis.extra import numpy as hnp
 from numpy.testing import assert_allclose
-from pytest import approx, mark
-from refusals import refused
+from pytest import approx
 
 from cmtof.correlation import TAU
 from cmtof.waveform import (
@@ -30,12 +29,6 @@ def test_coefficients_follow_the_convention_with_their_sign():
     theta = TAU * np.arange(32) / 32
     samples = 2 + 3 * np.cos(theta) - 4 * np.sin(2 * theta)
     assert_allclose(harmonics_from_waveform(samples, 3), [2, 1.5, 2j, 0], atol=1e-14)
-
-
-@mark.parametrize("count", [-1, 4, 9])
-def test_harmonics_that_the_samples_cannot_tell_apart_are_refused(count):
-    with refused("below N/2 = 4"):
-        harmonics_from_waveform(np.zeros(8), count)
 
 
 def test_gate_is_the_series_of_the_square_wave():

@@ -5,7 +5,6 @@ from unittest.mock import Mock
 import numpy as np
 import torch
 from pytest import approx, mark, warns
-from refusals import refused
 from walls import WRAP, flat_wall
 
 import cmtof
@@ -157,8 +156,3 @@ def test_broken_views_are_left_out():
     assert np.isnan(pack.depth[0, 0, 0])
     assert pack.intensity.max() == 1
     assert pack.far.tolist() == [2, 2]
-
-
-def test_a_training_without_views_is_refused():
-    with refused("Expected views to train"):
-        data.pack_views([])
