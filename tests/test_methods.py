@@ -12,7 +12,7 @@ from walls import WRAP, lit
 import cmtof
 from cmtof.evaluation import measure_frame, scored_pixels
 from cmtof.measurement import Measurement
-from cmtof.methods import METHODS, find_method, names_of
+from cmtof.methods import METHODS, names_of
 from cmtof_rooms.rendering import Settings, render_views
 
 NAMES = sorted(name for name, method in METHODS.items() if method.kind != "learned")

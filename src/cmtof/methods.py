@@ -4,19 +4,18 @@ import inspect
 from collections.abc import Callable
 from dataclasses import dataclass
 from math import isqrt
+from pathlib import Path
+from pkgutil import resolve_name
 from typing import Any
 
 import numpy as np
 
-from cmtof.classical import crt, kde, mrf, references, region, trivial
-from cmtof.classical.beat import beat, estimate_with_beat
-from cmtof.classical.phasor import phasor
+from cmtof.classical import trivial
+from cmtof.classical.beat import estimate_with_beat
 from cmtof.estimate import Estimate, beat_repeats, without_holes, wraps_in_range
-from cmtof.files import AnyPath
-from cmtof.hybrid import hybrid
+from cmtof.files import AnyPath, read_document
 from cmtof.measurement import Measurement, tiles
-from cmtof.surfaces import surfaces, surfaces_mirrored
-from cmtof.types import Named
+from cmtof.types import Fields, Named
 
 MOST_MEMORY = (
     3 * 2**29
@@ -106,133 +105,36 @@ class Method:
         return read_card(path).validation.delta_lt_1 if path.is_file() else None
 
 
-def _network_method(
-    name: str, source: str, about: str, network: str = "", **usual: bool
-) -> Method:
-    model = network or name
+def _network_function(model: str, *, mirrored: bool = False) -> Callable[..., Estimate]:
+    """Function of the method by a network, given the network's name."""
 
     def run(measurement: Measurement, *, weights: AnyPath | None = None) -> Estimate:
         from cmtof.network.inference import unwrap_with_network
 
         filled = without_holes(measurement)  # a network was never shown any
-        found = unwrap_with_network(filled, model=model, weights=weights, **usual)
+        found = unwrap_with_network(
+            filled, model=model, weights=weights, mirrored=mirrored
+        )
         return estimate_with_beat(*found, measurement)
 
-    return Method(name, "learned", source, run, about=about, memory=1300, network=model)
+    return run
 
 
-def _reference_method(run: Callable[..., Estimate], frequencies: int = 2) -> Method:
-    name = run.__name__.replace("_", "-")
-    return Method(name, "reference", "", run, frequencies, knows_truth=True)
+def _method(name: str, row: Fields) -> Method:
+    """Method of a row of methods.yml."""
+    if "run" in row:
+        row["run"] = resolve_name(f"cmtof.{row['run']}")
+    else:
+        mirrored = row.pop("mirrored", False)
+        row["run"] = _network_function(row["network"], mirrored=mirrored)
+    row["tones"] = tuple(row.get("tones", ()))
+    return Method(name, **row)
 
 
-_BAEK = "Baek et al. 2023"
-
-_ALL = (
-    Method("crt", "classical", "Xia and Wang 2007", crt.crt),
-    Method("crt-closed-form", "classical", "Wang and Xia 2010", crt.crt_closed_form),
-    Method("crt-ml", "classical", "Wang et al. 2015", crt.crt_ml),
-    Method("phasor", "classical", "Gupta et al. 2015", phasor, tones=(7.15e9, 7.16e9)),
-    Method(
-        "kde",
-        "classical",
-        "Järemo Lawin et al. 2016",
-        kde.kde,
-        memory=400,
-        wrap_memory=4,
-    ),
-    Method(
-        "kde-tuned",
-        "classical",
-        "Järemo Lawin et al. 2016",
-        kde.kde_tuned,
-        memory=400,
-        wrap_memory=4,
-    ),
-    Method("beat", "classical", "Jongenelen et al. 2010", beat, one_beat=True),
-    Method(
-        "spatial", "classical", "Herraez et al. 2002", region.spatial, frequencies=1
-    ),
-    Method("region", "classical", "Herraez et al. 2002", region.region, one_beat=True),
-    Method(
-        "mrf",
-        "classical",
-        "Hirschmüller 2008",
-        mrf.mrf,
-        memory=320,
-        wrap_memory=4,
-        one_beat=True,
-    ),
-    Method(
-        "mrf-graphcut",
-        "classical",
-        "Bioucas-Dias, Valadão 2007",
-        mrf.mrf_graphcut,
-        memory=540,
-        wrap_memory=4,
-        one_beat=True,
-    ),
-    Method("surfaces", "classical", "this project", surfaces, one_beat=True, sets=True),
-    Method(
-        "surfaces-mirrored",
-        "classical",
-        "this project",
-        surfaces_mirrored,
-        one_beat=True,
-    ),
-    _network_method(
-        "u-net", "Ronneberger et al. 2015", "U-Net, narrowed: segmentation into wraps"
-    ),
-    _network_method(
-        "one-step", "Wang et al. 2019", "Residual U-Net, narrowed: regression of depth"
-    ),
-    _network_method(
-        "deep-tof",
-        "Su et al. 2018",
-        "Encoder and decoder on raw correlations, narrowed",
-    ),
-    _network_method("rapid", "Zhang et al. 2019", "DeepLabV3+, narrowed"),
-    _network_method("fast-scnn", _BAEK, "The paper's network: segmentation into wraps"),
-    _network_method(
-        "fast-scnn-mirrored",
-        _BAEK,
-        "The paper's network, averaged over four mirror images",
-        network="fast-scnn",
-        mirrored=True,
-    ),
-    _network_method(
-        "fast-scnn-ce", _BAEK, "The paper's network, trained by cross-entropy alone"
-    ),
-    _network_method(
-        "fast-scnn-fourier", _BAEK, "The paper's network without phase edges"
-    ),
-    _network_method("fast-scnn-phase", _BAEK, "The paper's network on bare phases"),
-    _network_method("fast-scnn-public", _BAEK, "Layers of the authors' public code"),
-    _network_method(
-        "fast-scnn-light",
-        "this project",
-        "A tenth of the paper's network, given the beat",
-    ),
-    Method(
-        "hybrid",
-        "learned",
-        "this project",
-        hybrid,
-        memory=1000,
-        wrap_memory=2,
-        network="fast-scnn",
-        sets=True,
-    ),
-    Method("middle", "trivial", "", trivial.middle, frequencies=1),
-    Method("uniform", "trivial", "", trivial.uniform, frequencies=1),
-    Method("mode", "trivial", "", trivial.mode, frequencies=1, knows_truth=True),
-    _reference_method(references.reference_depth, frequencies=1),
-    _reference_method(references.reference_offset),
-    _reference_method(references.reference_contact),
-    _reference_method(references.reference_field),
-)
-
-METHODS = {method.name: method for method in _ALL}
+METHODS = {
+    name: _method(name, row)
+    for name, row in read_document(Path(__file__).with_name("methods.yml")).items()
+}
 
 DEFAULT = "surfaces"
 
