@@ -92,16 +92,16 @@ def nearest_pixel(wanted: Flags) -> tuple[Numbers, Numbers]:
 
 
 def without_holes(measurement: Measurement) -> Measurement:
-    """The measurement whose unknown pixels hold the samples of the nearest known pixel."""
+    """The measurement, unmasked, whose unknown pixels are copies of the nearest known pixel."""
     amplitude = measurement.amplitude.min(axis=0)
     known = np.where(measurement.mask, np.isfinite(amplitude), amplitude > 0)
     if known.all() or not known.any():
         return measurement
-    place = nearest_pixel(known)
-    data = measurement.dataset.copy()
-    for name in {"correlation", "phase", "amplitude"} & set(data):
-        data[name] = data[name].copy(data=data[name].to_numpy()[..., *place])
-    return Measurement(data.drop_vars("mask", errors="ignore"))
+    row, column = nearest_pixel(known)
+    place = {"y": (("y", "x"), row), "x": (("y", "x"), column)}
+    return Measurement(
+        measurement.dataset.drop_vars("mask", errors="ignore").isel(place)
+    )
 
 
 def phase_noise(measurement: Measurement) -> Array:

@@ -58,10 +58,10 @@ def local_phase_noise(phase: ArrayLike, *, window: int = 5) -> Array:
     up to second order; edges, and noise beyond about 0.6 rad, do not. NaN where the
     window reaches beyond the map.
     """
-    flat = np.angle(_windows_without_slope(phase, window))
+    flat = np.angle(_windows_without_slope(phase, window, beyond=np.nan))
     residual = flat.reshape(*flat.shape[:2], -1) @ _residual_matrix(window)
     square = np.vecdot(residual, residual)
-    return _with_nan_border(np.sqrt(square / (window**2 - 6)), window)
+    return np.sqrt(square / (window**2 - 6))
 
 
 def local_residual(phase: ArrayLike, *, window: int = 9) -> Array:
@@ -69,8 +69,8 @@ def local_residual(phase: ArrayLike, *, window: int = 9) -> Array:
 
     NaN where the window reaches beyond the map.
     """
-    flat = np.angle(_windows_without_slope(phase, window))
-    return _with_nan_border(np.einsum("yxij,ij->yx", flat, _fit_kernel(window)), window)
+    flat = np.angle(_windows_without_slope(phase, window, beyond=np.nan))
+    return np.einsum("yxij,ij->yx", flat, _fit_kernel(window))
 
 
 def typical_phase_noise(
@@ -90,8 +90,13 @@ def typical_phase_noise(
     return float(np.nanmedian(noises) / np.sqrt(stats.chi2.median(freedom) / freedom))
 
 
-def _windows_without_slope(phase: ArrayLike, window: int) -> Complex:
-    """Phasors in each pixel's window (H, W, window, window), without its phase and slope."""
+def _windows_without_slope(
+    phase: ArrayLike, window: int, *, beyond: float = 0.0
+) -> Complex:
+    """Phasors in each pixel's window (H, W, window, window), without its phase and slope.
+
+    ``beyond`` stands for those outside the map.
+    """
     phase = np.asarray(phase, float)
     if phase.ndim != 2:
         raise ValueError(
@@ -102,7 +107,8 @@ def _windows_without_slope(phase: ArrayLike, window: int) -> Complex:
             f"Expected an odd window of 3 px or more, got {window}. Try 5."
         )
     windows = sliding_window_view(
-        np.pad(np.exp(1j * phase), window // 2), (window, window)
+        np.pad(np.exp(1j * phase), window // 2, constant_values=beyond),
+        (window, window),
     )
     ramp = np.zeros(windows.shape)
     for axis, steps in enumerate(np.mgrid[:window, :window] - window // 2, start=2):
@@ -123,12 +129,6 @@ def _residual_matrix(window: int) -> Array:
 def _fit_kernel(window: int) -> Array:
     """Weights (window, window) of values in the residual of their quadratic fit at the centre."""
     return _residual_matrix(window)[window**2 // 2].reshape(window, window)
-
-
-def _with_nan_border(values: Array, window: int) -> Array:
-    """Values (H, W) with NaN where a window reaches beyond the map."""
-    reach = window // 2
-    return np.pad(values[reach:-reach, reach:-reach], reach, constant_values=np.nan)
 
 
 # --- spectra -----------------------------------------------------------------------------------

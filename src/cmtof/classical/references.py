@@ -151,8 +151,6 @@ def _pool_within(phasors: Complex, surface: Numbers, side: int) -> Pooled:
 def _pieces(surface: Numbers) -> Iterator[tuple[Any, Flags]]:
     """Bounding box of each surface of two or more pixels, and its pixels in the box."""
     size = np.bincount(surface.ravel())
-    number = np.where(size > 1, np.cumsum(size > 1), 0)[
-        surface
-    ]  # single pixels need no box
-    for k, place in enumerate(find_objects(number), start=1):
-        yield place, number[place] == k
+    for number, place in enumerate(find_objects(surface + 1)):
+        if size[number] > 1:
+            yield place, surface[place] == number

@@ -18,7 +18,6 @@ from scipy.special import j0
 from cmtof.correlation import centred, decode
 from cmtof.hardware.bench import Bench
 from cmtof.hardware.ranging import sweep, sweep_errors, take_reading
-from cmtof.hardware.reduction import Gain
 from cmtof.hardware.rig import PLATES
 from cmtof.types import Array, Pair
 
@@ -35,7 +34,7 @@ def measure_light(
 
     The other module stays at quadrature; drives of Hz and dBm are those at the last angle.
     """
-    read = partial(take_reading, bench, "reference", Gain(*bench.daq.gain()), count(1))
+    read = partial(take_reading, bench, "reference", bench.daq.gain(), count(1))
     rf = bench.devices[f"rf_{module}"]
     bench.choose_mode("single")
     for one in bench.rf:

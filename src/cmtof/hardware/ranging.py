@@ -91,7 +91,7 @@ def sweep(
     the frequency, Hz, that belongs to the phase, and the settings. The bench is set up. Raises as a
     scan does, and a ValueError where light saturates the detector.
     """
-    read = partial(take_reading, bench, way, Gain(*bench.daq.gain()), count(label))
+    read = partial(take_reading, bench, way, bench.daq.gain(), count(label))
     bench.choose_mode(mode)
     frequency = MODES[mode] * bench.rig.drive_frequency(mode)
     phases_of = stepped_phases

@@ -9,6 +9,7 @@ from typing import NamedTuple, Protocol
 
 from numpy.typing import ArrayLike
 
+from cmtof.hardware.reduction import Gain
 from cmtof.types import Array, Counts, Texts
 
 # Called again and again while a device moves, to reset the watchdogs of the others.
@@ -156,8 +157,8 @@ class ReadOutRole(DeviceRole, Protocol):
 
     rate: float
 
-    def gain(self) -> tuple[float, float, float]:
-        """Calibration of the inputs, in the order of `cmtof.hardware.reduction.Gain`."""
+    def gain(self) -> Gain:
+        """Calibration of the inputs."""
         ...
 
     def line(self, dio: str) -> bool:
