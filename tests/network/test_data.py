@@ -52,7 +52,8 @@ def test_offsets_spread_as_told_and_change_nothing_else(config):
     # five standard errors of a standard deviation
     assert offsets.std() == approx(0.01, rel=5 / np.sqrt(2 * offsets.size))
     plain = data.batch_at(0, config, None)
-    assert torch.equal(plain.noise, steps[0].noise)
+    first = steps[0]
+    assert torch.equal(plain.noise, first.noise)
     assert not plain.offset.any()
 
 
@@ -128,7 +129,8 @@ def test_steps_depend_on_their_number_alone_and_share_out(config):
     joined = data.Batch(*map(torch.cat, zip(*shares, strict=True)))
     for same in (data.batch_at(3, config, None), joined):
         torch.testing.assert_close(same, alone, rtol=0, atol=0, equal_nan=True)
-    assert not torch.equal(alone.noise, data.batch_at(4, config, None).noise)
+    other = data.batch_at(4, config, None)
+    assert not torch.equal(alone.noise, other.noise)
 
 
 def source(name, size=(10, 12), fill=2.0):
