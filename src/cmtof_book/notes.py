@@ -30,10 +30,13 @@ say = partial(_show, "text")
 answer = partial(_show, "answer")
 
 
-def table(head: Sequence[str], rows: Iterable[Sequence[object]]) -> None:
+def table(
+    head: Sequence[str], rows: Iterable[Sequence[object]], *, fold: str = ""
+) -> None:
     """Show a table of texts under the cell; columns of numbers but the first are right-aligned.
 
-    Powers of ten and minus signs are set as such, and a comparison stays on one line.
+    Powers of ten and minus signs are set as such, and a comparison stays on one line. A long table
+    may ``fold`` under a title.
     """
     from IPython.display import Markdown, display
 
@@ -45,8 +48,10 @@ def table(head: Sequence[str], rows: Iterable[Sequence[object]]) -> None:
         for column in zip(*texts, strict=True)
     ]
     lines = (titles, [":--", *sides[1:]], *texts)
-    text = "\n".join(f"| {' | '.join(line)} |" for line in lines)
-    display(Markdown(replaced(text, TYPESET)))
+    text = replaced("\n".join(f"| {' | '.join(line)} |" for line in lines), TYPESET)
+    if fold:
+        text = f"<details><summary>{fold}</summary>\n\n{text}\n\n</details>"
+    display(Markdown(text))
 
 
 def replaced(text: str, rules: Texts) -> str:

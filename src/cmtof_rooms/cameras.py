@@ -191,5 +191,5 @@ def _likeness(camera: Camera, chosen: Cameras) -> float:
         apart = np.linalg.norm(camera.position - other.position) / 2.0
         cosine = camera.orientation[:, 2] @ other.orientation[:, 2]
         turned = np.arccos(np.clip(cosine, -1, 1)) / 0.7
-        likeness = max(likeness, np.exp(-(apart**2) - turned**2))
+        likeness = max(likeness, float(np.exp(-(apart**2) - turned**2)))
     return likeness

@@ -69,12 +69,12 @@ def scan(
 
     if not rehearsal["twin"] and rig is None:
         raise BadParameter("Expected a RIG file or --twin, got neither. Name one.")
-    if output is None and not check:
-        raise BadParameter("Expected an output, got none. Add -o m.nc.")
     plan = plan_scan(Rig.default() if rig is None else Rig.load(rig), size=size)
     bench = _opener(plan.rig, "" if rig else "still_life", **rehearsal)
     if check:
         _print_states_and_exit(bench)
+    if output is None:
+        raise BadParameter("Expected an output, got none. Add -o m.nc.")
     try:
         with progress(len(plan.lines), quiet) as advance:
             measurement = run_scan(
