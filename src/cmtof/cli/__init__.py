@@ -11,6 +11,7 @@ import warnings
 from typer import Typer
 
 from cmtof.cli import depths, learning, measuring
+from cmtof.cli.options import as_command
 from cmtof.terminal import error_line, escape_controls, prepare_streams
 
 app = Typer(
@@ -34,7 +35,7 @@ for command in (
     learning.train,
     measuring.scan,
 ):
-    app.command()(command)
+    app.command()(as_command(command))
 
 
 def main(arguments: list[str] | None = None) -> None:

@@ -6,57 +6,24 @@ import sys
 from collections import Counter
 from collections.abc import Callable, Mapping
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated
-
-from typer import Argument, Option
+from typing import TYPE_CHECKING
 
 from cmtof.cli.options import (
     File,
     Options,
-    Quiet,
-    conditions,
-    group_options,
-    output_option,
-    reading,
 )
 from cmtof.files import atomic_output, check_output
 from cmtof.terminal import error_line, escape_controls, print_table, progress
 
 if TYPE_CHECKING:
-    from cmtof.evaluation import Evaluation
-    from cmtof.frame import Frames
     from cmtof.types import Fields, Texts, Values
 
 
-def choice(
-    method: Annotated[str, Option(help="Name out of `cmtof methods`.")] = "surfaces",
-    range: Annotated[
-        tuple[float, float] | None,
-        Option(metavar="MIN MAX", help="Depths, m: MIN <= z < MAX."),
-    ] = None,
-    min_confidence: Annotated[float, Option(help="Mask pixels below, 0 to 1.")] = 0.0,
-    window: Annotated[int | None, Option(help="Side of window, px (beat).")] = None,
-    weights: Annotated[File, Option(help="Own .safetensors (learned methods).")] = None,
-    covered: Annotated[
-        File, Option(help="Scan with a covered beam: its light is taken away.")
-    ] = None,
-    tile: Annotated[int, Option(min=0, help="Side of tiles, px, of a large .nc.")] = 0,
-) -> None:
-    """Options of the unwrapping method, which a command takes through `group_options`."""
-
-
-@group_options(choice)
 def unwrap(
-    measurement: Annotated[
-        list[Path], Argument(help="Measurements .nc, .npz or *_phase.csv.")
-    ],
-    output: Annotated[
-        Path, Option("--output", "-o", help="File, *.nc; a folder for several.")
-    ],
-    ply: Annotated[
-        File, output_option(".ply", "--ply", text="Point cloud (camera).")
-    ] = None,
-    quiet: Quiet = False,
+    measurement: list[Path],
+    output: Path,
+    ply: File = None,
+    quiet: bool = False,
     *,
     choice: Options,
 ) -> None:
@@ -159,21 +126,11 @@ def _unwrap_one(
     return row | _rates(tally.score()) if tally.frames else row
 
 
-@group_options(conditions, reading)
 def evaluate(
-    frames: Annotated[
-        list[str],
-        Argument(
-            help="Files, embedded names, folders (pairs of images, .npz, Hypersim's tests)"
-        ),
-    ],
-    method: Annotated[
-        str, Option(help="Out of `cmtof methods`, with commas, or all.")
-    ] = "all",
-    json_file: Annotated[
-        File, output_option(".json", "--json", text="Table as JSON.")
-    ] = None,
-    quiet: Quiet = False,
+    frames: list[str],
+    method: str = "all",
+    json_file: File = None,
+    quiet: bool = False,
     *,
     conditions: Options,
     reading: Options,
@@ -188,32 +145,23 @@ def evaluate(
     from cmtof.scenes import frames_in
 
     names = names_of(method, conditions["protocol"])
-    sets = [Frames(frames_in(name, **reading)) for name in frames]
+    found = Frames([one for name in frames for one in frames_in(name, **reading)])
     evaluation = Evaluation(names, **conditions)
-    with progress(sum(len(one.sources) for one in sets) * len(names), quiet) as advance:
-        for one in sets:
-            _add_frames(evaluation, one, advance)
+    with progress(len(found.sources) * len(names), quiet) as advance:
+        for frame in found:
+            try:
+                for done in evaluation.add(frame):
+                    advance(f"{frame.name}: {done}")
+            except ValueError as error:  # the others go on
+                found.skipped[frame.name] = str(error)
+    evaluation.notes |= {f"skipped {name}": why for name, why in found.skipped.items()}
     if evaluation.frames:
         _report_scores(evaluation.report(), json_file)
     _print_missing(evaluation.missing)
-    if whys := [why for one in sets for why in one.skipped.values()]:
-        raise ValueError(" ".join(whys))
+    if found.skipped:
+        raise ValueError(" ".join(found.skipped.values()))
     if evaluation.missing and method != "all":
         sys.exit(1)
-
-
-def _add_frames(
-    evaluation: "Evaluation", frames: "Frames", advance: Callable[[str], None]
-) -> None:
-    """Run every method on each frame; a frame that fails is noted, and the others go on."""
-    for frame in frames:
-        try:
-            for done in evaluation.add(frame):
-                advance(f"{frame.name}: {done}")
-        except ValueError as error:
-            frames.skipped[frame.name] = str(error)
-    for name, why in frames.skipped.items():
-        evaluation.notes[f"skipped {name}"] = why
 
 
 def _print_missing(missing: Mapping[str, Exception]) -> None:
@@ -266,7 +214,7 @@ def _rates(scores: "Values") -> "Texts":
 
 
 def methods(
-    as_json: Annotated[bool, Option("--json", help="Print JSON.")] = False,
+    as_json: bool = False,
 ) -> None:
     """List every unwrapping method with its kind, source and state.
 
@@ -302,9 +250,7 @@ PICTURES = (".png", ".pdf", ".svg", ".jpg")
 
 
 def replicate(
-    output: Annotated[
-        Path, Option("--output", "-o", help="Where to draw Fig. 10.")
-    ] = Path("build/replicate/fig10_comparison.png"),
+    output: Path = Path("build/replicate/fig10_comparison.png"),
 ) -> None:
     """Draw Fig. 10, and check the chain from frame to depth against stored values.
 

@@ -1,35 +1,16 @@
 """Commands that render rooms and train networks."""
 
 from pathlib import Path
-from typing import Annotated, Any
+from typing import Any
 
-from typer import Argument, Option
-
-from cmtof.cli.options import AnySeed, File, Options, Quiet, Seed, group_options
+from cmtof.cli.options import File, Options
 from cmtof.terminal import delay_interrupts, progress, progress_is_hidden
 
 
-def rooms(
-    scenes: Annotated[int, Option(min=1, max=100_000, help="How many rooms.")] = 20,
-    views: Annotated[int, Option(min=1, max=1000, help="Views of each.")] = 5,
-    seed: Seed = 0,
-    size: Annotated[str, Option(help="Height x width, px.")] = "512x512",
-    focal: Annotated[
-        float | None, Option(help="Focal length, px. Default: 35 to 60°.")
-    ] = None,
-) -> None:
-    """Options of a set of rooms, which a command takes through `group_options`."""
-
-
-@group_options(rooms)
 def render(
-    output: Annotated[
-        Path, Option("--output", "-o", help="Folder to write the set into.")
-    ],
-    workers: Annotated[
-        int | None, Option(min=1, help="Processes. Default: one a core.")
-    ] = None,
-    quiet: Quiet = False,
+    output: Path,
+    workers: int | None = None,
+    quiet: bool = False,
     *,
     rooms: Options,
 ) -> None:
@@ -65,38 +46,11 @@ def _render_set(
         )
 
 
-def recipe(
-    model: Annotated[
-        str | None, Option(help="Learned method, such as fast-scnn.")
-    ] = None,
-    protocol: Annotated[str | None, Option(help="released or full.")] = None,
-    seed: AnySeed = None,
-) -> None:
-    """Options that replace values of a training recipe."""
-
-
-def leg(
-    init: Annotated[File, Option(help="Weights to begin with.")] = None,
-    resume: Annotated[
-        bool, Option("--resume", help="Go on from its checkpoint.")
-    ] = False,
-    minutes: Annotated[
-        float | None, Option(help="Stop after; --resume goes on.")
-    ] = None,
-    accelerator: Annotated[str, Option(help="Lightning's: auto, cpu, gpu.")] = "auto",
-    devices: Annotated[str, Option(help="How many, or auto.")] = "auto",
-    num_nodes: Annotated[int, Option(min=1, help="Machines.")] = 1,
-    strategy: Annotated[str, Option(help="Lightning's: auto, ddp.")] = "auto",
-) -> None:
-    """Options of one run that are not in its recipe: weights to begin with, time, hardware."""
-
-
-@group_options(recipe, leg)
 def train(
-    config: Annotated[str, Argument(help="A recipe by name, or a YAML file.")],
-    output: Annotated[File, Option("--output", "-o", help="Folder of the run.")] = None,
-    data: Annotated[File, Option(help="Hypersim's layout. Default: rooms.")] = None,
-    quiet: Quiet = False,
+    config: str,
+    output: File = None,
+    data: File = None,
+    quiet: bool = False,
     *,
     recipe: Options,
     leg: Options,

@@ -5,20 +5,12 @@ import sys
 from collections.abc import Callable
 from functools import partial
 from io import StringIO
-from typing import TYPE_CHECKING, Annotated, Any
-
-from typer import Argument, Option
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
 
 from cmtof.cli.options import (
-    AnySeed,
     File,
     Options,
-    Output,
-    Quiet,
-    conditions,
-    group_options,
-    output_option,
-    reading,
 )
 from cmtof.terminal import escape_controls, print_table, progress
 
@@ -26,19 +18,10 @@ if TYPE_CHECKING:
     from cmtof.hardware.rig import Rig
 
 
-@group_options(conditions, reading)
 def simulate(
-    frame: Annotated[
-        str,
-        Argument(
-            help=".npz, depth .png, Hypersim .hdf5, folder (its first), or embedded."
-        ),
-    ],
-    output: Output,
-    frequencies: Annotated[
-        str,
-        Option(help="Modulation frequencies in Hz, lowest first, separated by commas."),
-    ] = "7.15e9,14.32e9",
+    frame: str,
+    output: Path,
+    frequencies: str = "7.15e9,14.32e9",
     *,
     conditions: Options,
     reading: Options,
@@ -60,25 +43,13 @@ def simulate(
         print(escape_controls(f"{loaded.name}: {loaded.note}"))
 
 
-def rehearsal(
-    twin: Annotated[bool, Option("--twin", help="Simulate it, by RIG's twin.")] = False,
-    scene: Annotated[str | None, Option(help="Its frame. Default: still_life.")] = None,
-    seed: AnySeed = None,
-    log: Annotated[
-        File, output_option(".txt", "--log", text="File of all requests and replies.")
-    ] = None,
-) -> None:
-    """Options of a scan: with a simulated instrument, or with a log."""
-
-
-@group_options(rehearsal)
 def scan(
-    output: Annotated[File, Option("--output", "-o", help="Measurement, *.nc.")] = None,
-    rig: Annotated[File, Argument(help="RIG file, *.yml.")] = None,
-    size: Annotated[int, Option(min=1, max=4096, help="Height and width, px.")] = 64,
-    resume: Annotated[bool, Option("--resume", help="Go on after a stop.")] = False,
-    check: Annotated[bool, Option("--check", help="Ask all, move nothing.")] = False,
-    quiet: Quiet = False,
+    output: File = None,
+    rig: File = None,
+    size: int = 64,
+    resume: bool = False,
+    check: bool = False,
+    quiet: bool = False,
     *,
     rehearsal: Options,
 ) -> None:
@@ -156,7 +127,7 @@ def _print_states_and_exit(bench: Callable[[], Any]) -> None:
 
 
 def info(
-    file: Annotated[File, Argument(help="Measurement, result or frame.")] = None,
+    file: File = None,
 ) -> None:
     """Print versions and embedded frames, or what a file holds."""
     from importlib.metadata import version

@@ -1,98 +1,88 @@
-"""Options that several commands share."""
+"""Commands for Typer out of plain functions, whose options `options.toml` describes."""
 
-from collections.abc import Callable
+import tomllib
+from collections.abc import Callable, Sequence
 from functools import wraps
-from inspect import signature
+from inspect import Parameter, Signature, signature
 from pathlib import Path
 from typing import Annotated, Any
 
-from typer import Option
+from typer import Argument, Option
 
 from cmtof.files import check_output
 
 File = Path | None
 Options = dict[str, Any]  # of a group, by name
 
+LINES = tomllib.loads(Path(__file__).with_name("options.toml").read_text("utf-8"))
+TYPES = {
+    "bool": bool,
+    "int": int,
+    "float": float,
+    "str": str,
+    "path": Path,
+    "pair": tuple[float, float],
+    "four": tuple[float, float, float, float],
+}
 
-def output_option(named: str, *flags: str, text: str) -> Any:
-    """Option of a file to write, which is checked before anything is computed."""
+
+def as_command(function: Callable[..., None]) -> Callable[..., None]:
+    """The function with its parameters, and those of each group that it takes, as options."""
+    plain = []
+    groups = {}
+    lines = LINES["every"] | LINES[function.__name__]
+    for name, one in signature(function).parameters.items():
+        if one.annotation == Options:
+            groups[name] = [_of_group(key, **line) for key, line in LINES[name].items()]
+        else:
+            plain.append(_option(name, one.annotation, one.default, **lines[name]))
+
+    @wraps(function)
+    def command(**given: Any) -> None:
+        for group, options in groups.items():
+            given[group] = {one.name: given.pop(one.name) for one in options}
+        function(**given)
+
+    shared = [one for options in groups.values() for one in options]
+    vars(command)["__signature__"] = Signature([*plain, *shared])
+    return command
+
+
+def _of_group(name: str, *, type: str, default: Any = None, **line: Any) -> Parameter:
+    """Option of a group, of a type out of `TYPES`."""
+    kind: Any = TYPES[type] if default is not None else TYPES[type] | None
+    return _option(name, kind, default, **line)
+
+
+def _option(
+    name: str,
+    kind: Any,
+    default: Any,
+    *,
+    argument: bool = False,
+    flags: Sequence[str] = (),
+    suffix: str = "",
+    **more: Any,
+) -> Parameter:
+    """Parameter of a command with a line of `options.toml`."""
+    if suffix:
+        more["callback"] = check_of_file(suffix)
+    flags = flags or [f"--{name.replace('_', '-')}"]
+    about = Argument(**more) if argument else Option(*flags, **more)
+    return Parameter(
+        name,
+        Parameter.KEYWORD_ONLY,
+        default=default,
+        annotation=Annotated[kind, about],
+    )
+
+
+def check_of_file(suffix: str) -> Callable[[File], File]:
+    """Check of a file to write, before anything is computed."""
 
     def check(path: File) -> File:
-        free = (
-            named != ".nc" and path and not path.exists()
-        )  # a file is replaced only if its name has the suffix
-        return path and check_output(path, *[] if free else [named]) and path
+        # a file is replaced only if its name has the suffix
+        free = suffix != ".nc" and path and not path.exists()
+        return path and check_output(path, *[] if free else [suffix]) and path
 
-    return Option(*flags, help=text, callback=check)
-
-
-Output = Annotated[
-    Path,
-    output_option(".nc", "--output", "-o", text="File to write, [bold]*.nc[/bold]."),
-]
-SEED = Option(min=0, max=2**63 - 1, help="Seed of the random numbers.")
-Seed = Annotated[int, SEED]
-AnySeed = Annotated[int | None, SEED]
-Quiet = Annotated[bool, Option("--quiet", "-q", help="No progress bar.")]
-
-
-def conditions(
-    protocol: Annotated[
-        str,
-        Option(
-            help="released: scene shrunk to 1.195 m, 21 wraps; "
-            "full: all of the 7.5 m range."
-        ),
-    ] = "released",
-    noise: Annotated[
-        float, Option(help="Gaussian noise, counts; photon noise stays on.")
-    ] = 1200.0,
-    noise_free: Annotated[
-        bool, Option("--noise-free", help="No noise of either kind.")
-    ] = False,
-    seed: Seed = 0,
-) -> None:
-    """Options of a simulation."""
-
-
-def reading(
-    intensity: Annotated[
-        File, Option(help="Image of the light of a depth image.")
-    ] = None,
-    depth_scale: Annotated[
-        float | None,
-        Option(help="Depth image: levels per metre. Default: 1000, of TUM 5000."),
-    ] = None,
-    planar: Annotated[
-        bool, Option("--planar", help="Depth image is along the axis.")
-    ] = False,
-    camera: Annotated[
-        tuple[float, float, float, float] | None, Option(help="fx fy cx cy in pixels.")
-    ] = None,
-    linear: Annotated[
-        bool, Option("--linear", help="Light of a depth image is linear, no sRGB.")
-    ] = False,
-) -> None:
-    """Options for reading a depth image: its light, scale, kind and camera."""
-
-
-def group_options(*groups: Callable[..., None]) -> Callable[[Callable], Callable]:
-    """Decorator: a command takes each group's parameters as options, and gets them as one dict."""
-    options = {group.__name__: signature(group).parameters for group in groups}
-
-    def decorated(command: Callable[..., None]) -> Callable[..., None]:
-        @wraps(command)
-        def run(**given: Any) -> None:
-            for group, names in options.items():
-                given[group] = {name: given.pop(name) for name in names}
-            command(**given)
-
-        own_signature = signature(command)
-        plain = [
-            one for name, one in own_signature.parameters.items() if name not in options
-        ]
-        shared = [one for names in options.values() for one in names.values()]
-        vars(run)["__signature__"] = own_signature.replace(parameters=[*plain, *shared])
-        return run
-
-    return decorated
+    return check
