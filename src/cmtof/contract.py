@@ -1,5 +1,7 @@
 """Format of a measurement (names, units, dimensions, values), checked once, where data enter."""
 
+import tomllib
+from pathlib import Path
 from typing import NamedTuple
 
 import numpy as np
@@ -18,38 +20,14 @@ class Kind(NamedTuple):
     dims: tuple[str, ...] | None
 
 
-STACK = ("frequency", "step", "y", "x")
-IMAGES = ("frequency", "y", "x")
+_TABLES = tomllib.loads(Path(__file__).with_name("contract.toml").read_text("utf-8"))
 VARIABLES = {
-    "correlation": Kind("count", STACK),  # correlation images
-    "raw_counts": Kind("count", STACK),  # of the converter in a scan, >= 0
-    "dark": Kind("count", None),  # dark frame
-    "phase": Kind("rad", IMAGES),  # wrapped, instead of correlations
-    "amplitude": Kind("count", IMAGES),  # beside a phase
-    "frequency": Kind("Hz", ("frequency",)),  # of the modulation
-    "psi": Kind("rad", STACK[:2]),  # reference phase
-    "depth": Kind("m", ("y", "x")),  # true range along the ray
-    "mask": Kind("1", ("y", "x")),  # True where a pixel is valid
-    "camera": Kind("px", ("parameter",)),  # fx, fy, cx, cy (and skew)
-    "time": Kind("s", None),
+    name: Kind(unit, tuple(dims) or None)
+    for name, (unit, *dims) in _TABLES["variables"].items()
 }
 
 # Units that a file may state, and their size in SI units.
-UNITS = {
-    "Hz": {"Hz": 1.0, "kHz": 1e3, "MHz": 1e6, "GHz": 1e9},
-    "rad": {
-        **dict.fromkeys(("rad", "radian", "radians", "1", ""), 1.0),
-        **dict.fromkeys(("deg", "degree", "degrees", "°"), np.pi / 180),
-        "mrad": 1e-3,
-    },
-    "m": {
-        "m": 1.0,
-        **dict.fromkeys(("metre", "metres", "meter", "meters"), 1.0),
-        "cm": 1e-2,
-        "mm": 1e-3,
-        "um": 1e-6,
-    },
-}
+UNITS = _TABLES["units"]
 
 # Greatest number of wraps of the lowest frequency to choose from; the prototype's beat has 358.
 MOST_WRAPS = 10_000
