@@ -136,8 +136,10 @@ def _remove_leftovers(target: Path) -> None:
 
 
 @contextmanager
-def atomic_output(path: AnyPath) -> Iterator[Path]:
+def atomic_output(path: AnyPath, *suffixes: str) -> Iterator[Path]:
     """Yield a temporary path beside ``path`` that is renamed onto it when the block succeeds.
+
+    Raises the errors of `check_output`, before the block.
 
     >>> import tempfile
     >>> target = Path(tempfile.mkdtemp()) / "a.txt"
@@ -146,7 +148,7 @@ def atomic_output(path: AnyPath) -> Iterator[Path]:
     >>> target.read_text()
     'whole'
     """
-    target = check_output(path)
+    target = check_output(path, *suffixes)
     _remove_leftovers(target)
     part = _temporary_path(target)
     try:

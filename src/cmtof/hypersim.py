@@ -242,7 +242,7 @@ def read_array(path: Path, dimensions: int) -> NDArray:
         with h5py.File(path, "r") as file:
             check_links(file)
             stored: Any = file["dataset"]
-            check_claim(stored.nbytes, path.stat().st_size)
+            check_claim(stored.nbytes, path)
             array = np.asarray(stored[()])
         if array.dtype.kind not in "iuf" or array.shape[2:] != (3,) * (dimensions - 2):
             raise ValueError(

@@ -21,7 +21,7 @@ from cmtof.contract import VARIABLES, checked_dataset
 from cmtof.contract import unambiguous_range as unambiguous_range
 from cmtof.correlation import Decoded, decode
 from cmtof.files import AnyPath, check_input
-from cmtof.storage import load_into_memory, read_dataset, save_dataset
+from cmtof.storage import load_into_memory, open_netcdf, save_dataset
 from cmtof.types import Array, Fields, Flags, Named, Pair, Shape
 from cmtof.validation import numbers
 
@@ -58,10 +58,8 @@ class Measurement:
                 "Put frequency and step first."
             )
         coordinates = {
-            "frequency": _variable(
-                "frequency", np.atleast_1d(frequencies), frequencies
-            ),
-            "psi": _variable("psi", steps, psi),
+            "frequency": _variable("frequency", frequencies),
+            "psi": (VARIABLES["psi"].dims, steps, getattr(psi, "attrs", {})),
         }
         return cls(_dataset({"correlation": correlation}, coordinates, more))
 
@@ -76,8 +74,8 @@ class Measurement:
     ) -> "Measurement":
         """Measurement of phase maps (F, H, W), rad, where correlations were not kept."""
         variables = {"phase": phase, "amplitude": amplitude}
-        frequency = _variable("frequency", np.atleast_1d(frequencies), frequencies)
-        return cls(_dataset(variables, {"frequency": frequency}, more))
+        coordinates = {"frequency": _variable("frequency", frequencies)}
+        return cls(_dataset(variables, coordinates, more))
 
     @cached_property
     def frequencies(self) -> Array:
@@ -136,16 +134,12 @@ class Measurement:
     @property
     def range(self) -> Pair:
         """Least and largest depth, m, among which methods choose: ``min <= z < max``."""
-        return float(self.dataset.attrs["range_min"]), float(
-            self.dataset.attrs["range_max"]
-        )
+        return self.dataset.attrs["range_min"], self.dataset.attrs["range_max"]
 
     def between(self, range_min: float, range_max: float) -> "Measurement":
         """The same measurement with another `range` of depths, m."""
         return Measurement(
-            self.dataset.assign_attrs(
-                range_min=float(range_min), range_max=float(range_max)
-            )
+            self.dataset.assign_attrs(range_min=range_min, range_max=range_max)
         )
 
     def without_stray_light(self, covered: "Measurement") -> "Measurement":
@@ -236,10 +230,7 @@ def _dataset(variables: Fields, coordinates: Named, more: Fields) -> Dataset:
     try:
         if (valid := _valid_pixels(arrays, mask)) is not None:
             arrays["mask"] = valid
-        images = {
-            name: _variable(name, np.asarray(values), values)
-            for name, values in arrays.items()
-        }
+        images = {name: _variable(name, values) for name, values in arrays.items()}
         return Dataset(images, coordinates, attributes)
     except ValueError as error:
         if str(error).startswith("Expected"):
@@ -250,15 +241,16 @@ def _dataset(variables: Fields, coordinates: Named, more: Fields) -> Dataset:
         ) from None
 
 
-def _variable(name: str, array: NDArray, given: ArrayLike) -> tuple:
-    """Dimensions, array, and attributes that were given; a ValueError if it has other axes."""
+def _variable(name: str, values: ArrayLike) -> tuple:
+    """Dimensions, array, and attributes of given values; a ValueError if they have other axes."""
     dims: Any = VARIABLES[name].dims
+    array = np.atleast_1d(np.asarray(values))
     if array.ndim != len(dims):
         raise ValueError(
             f"Expected {name} with dimensions {dims}, got shape {array.shape}. "
             "Add or take away an axis."
         )
-    return dims, array, getattr(given, "attrs", {})
+    return dims, array, getattr(values, "attrs", {})
 
 
 def _valid_pixels(
@@ -284,7 +276,8 @@ def open_measurement(path: AnyPath) -> Measurement:
     """
     path = check_input(path, "a measurement file")
     if path.suffix == ".nc":
-        return Measurement(read_dataset(path))
+        with open_netcdf(path) as handle:
+            return Measurement(load_into_memory(handle))
     if path.suffix == ".npz":
         return _open_npz(path)
     if path.suffix == ".csv":

@@ -1,7 +1,7 @@
 """Depth to points in space, and to a PLY file that any viewer opens."""
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
 from cmtof.files import AnyPath, atomic_output
 from cmtof.frame import ray_lengths, rays_from_camera
@@ -76,20 +76,16 @@ def write_ply(
         )
     points = points_from_depth(depth, camera)
     kept = np.isfinite(points).all(axis=-1)
-    grey = _grey(np.asarray(brightness, float)[kept])
+    light = np.asarray(brightness, float)[kept]
+    white = np.percentile(light, 99) if light.size else 1.0
+    share = np.clip(light / max(white, 1e-12), 0, 1)
+    grey = (255 * share ** (1 / 2.2)).astype(np.uint8)
     position = points[kept].T.astype("<f4")
     probability = np.asarray(confidence, "<f4")[kept]
     vertices = np.rec.fromarrays([*position, grey, grey, grey, probability])
     with atomic_output(path) as part:
         part.write_bytes(PLY_HEADER % vertices.size + vertices.tobytes())
     return vertices.size
-
-
-def _grey(light: Array) -> NDArray[np.uint8]:
-    """Grey levels (N,) of linear brightness (N,): 99th percentile white, gamma 2.2."""
-    white = np.percentile(light, 99) if light.size else 1.0
-    share = np.clip(light / max(white, 1e-12), 0, 1)
-    return (255 * share ** (1 / 2.2)).astype(np.uint8)
 
 
 def mesh_triangles(points: ArrayLike, *, longest: float = np.inf) -> Numbers:

@@ -18,7 +18,6 @@ from cmtof.files import (
     check_heaps,
     check_input,
     check_links,
-    check_output,
     reading,
 )
 from cmtof.types import Fields
@@ -32,14 +31,11 @@ def save_dataset(dataset: Dataset, path: AnyPath) -> None:
 
     The file is built in memory: HDF5 written to a full disk would end the process.
     """
-    check_output(path, ".nc")
     encoding = {name: {"zlib": True, "complevel": 1} for name in dataset.data_vars}
     attributes = {name: storable(value) for name, value in dataset.attrs.items()}
-    stored = dataset.assign_attrs(attributes).to_netcdf(
-        engine="h5netcdf", encoding=encoding
-    )
-    with atomic_output(path) as part:
-        part.write_bytes(stored)
+    stored = dataset.assign_attrs(attributes)
+    with atomic_output(path, ".nc") as part:
+        part.write_bytes(stored.to_netcdf(engine="h5netcdf", encoding=encoding))
 
 
 def storable(value: Any) -> Any:
@@ -92,7 +88,7 @@ def _open_handle(path: Path) -> Dataset:
         with h5py.File(path, "r") as whole:
             check_links(whole)
     handle = open_dataset(path, decode_times=False, **options)
-    check_claim(handle.nbytes, path.stat().st_size)
+    check_claim(handle.nbytes, path)
     return handle
 
 
@@ -116,9 +112,3 @@ def load_into_memory(dataset: Dataset) -> Dataset:
         "a whole netCDF4 file", dataset.encoding.get("source", "a part of it")
     ):
         return dataset.load()
-
-
-def read_dataset(path: AnyPath) -> Dataset:
-    """Read a netCDF file of any content into memory; one ValueError for whatever is wrong."""
-    with open_netcdf(path) as handle:
-        return load_into_memory(handle)

@@ -22,9 +22,8 @@ from cmtof.methods import DEFAULT, find_method
 from cmtof.storage import open_netcdf, save_dataset, storable
 from cmtof.types import Fields, Pair
 
-Unwrapped = tuple[
-    float, Measurement, Dataset
-]  # share of the image, measurement, result
+# Share of the image, measurement, result.
+Unwrapped = tuple[float, Measurement, Dataset]
 
 
 def unwrap(

@@ -1,6 +1,7 @@
 """Checks of inputs before any computation, each with an error message of one line."""
 
 import json
+from pathlib import Path
 from typing import Any, TypeVar
 
 import numpy as np
@@ -62,11 +63,12 @@ def numbers(values: ArrayLike, what: str, dtype: DTypeLike = np.float64) -> Arra
         return array.astype(dtype)
 
 
-def check_claim(claimed: int, stored: int) -> None:
+def check_claim(claimed: int, path: Path) -> None:
     """Raise a ValueError if a header claims far more bytes than its file can hold.
 
     Up to 256 MiB pass; beyond, 200 times the bytes on disk: real images are packed less.
     """
+    stored = path.stat().st_size
     if claimed > max(2**28, 200 * stored):
         raise ValueError(f"its header claims {claimed:.3g} bytes, it holds {stored}")
 

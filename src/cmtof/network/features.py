@@ -19,10 +19,7 @@ WRAP = float(wrap_length(FREQUENCY_SINGLE))
 # First wrap that a protocol distinguishes, and how many: 36 and 21, 0 and 358.
 CLASSES = {
     "released": (RELEASED_WRAPS[0], RELEASED_WRAPS[1] - RELEASED_WRAPS[0]),
-    "full": (
-        0,
-        int(np.ceil(unambiguous_range(FREQUENCIES) / WRAP)),
-    ),
+    "full": (0, int(np.ceil(unambiguous_range(FREQUENCIES) / WRAP))),
 }
 
 # E_C of Eq. 5. The paper does not state it; the authors' released code ends at 5.
