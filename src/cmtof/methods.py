@@ -98,11 +98,12 @@ class Method:
 
         return state(self.network, protocol)
 
-    def validation(self, protocol: str = "released") -> float | None:
-        """Share of right wraps by the card of its weights; None for a method without weights."""
+    @property
+    def validation(self) -> float | None:
+        """Share of right wraps by the card of its released weights; None for a method without."""
         from cmtof.network.weights import read_card, weights_path
 
-        path = weights_path(self.network, protocol)
+        path = weights_path(self.network, "released")
         return read_card(path).validation.delta_lt_1 if path.is_file() else None
 
 

@@ -227,7 +227,7 @@ def methods(
         {
             "name": name,
             "state": entry.state(),
-            "validation": entry.validation(),
+            "validation": entry.validation,
             "default": name == DEFAULT,
         }
         | {key: getattr(entry, key) for key in keys}
