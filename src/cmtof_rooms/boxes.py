@@ -81,7 +81,7 @@ class Box(NamedTuple):
     z1: Limit
 
     @classmethod
-    def standing(cls, size: Sequence[float]) -> "Box":
+    def standing(cls, size: Vector) -> "Box":
         """Box of a size (width, depth, height), m, that stands on z = 0 about the z axis.
 
         >>> Box.standing((2.0, 1.0, 3.0))
