@@ -103,7 +103,8 @@ def _material(rng: Generator, drawn: Fields) -> Material:
     first, second = np.clip(pair * rng.uniform(0.75, 1.2, (2, 1)), 0.01, 0.92)
     mix = rng.uniform(0.15, 0.7) * (second - first) * rng.uniform(0.5, 1.0)
     second = 0.8 * (first + mix)
-    pattern = weighted_choice(rng, *zip(*drawn["patterns"].items(), strict=True))
+    patterns = drawn["patterns"]
+    pattern = weighted_choice(rng, list(patterns), list(patterns.values()))
     return Material(
         tuple(first),
         tuple(second),
