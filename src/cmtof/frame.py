@@ -132,6 +132,22 @@ def read_npz(path: Path) -> dict[str, NDArray]:
             return {name: arrays[name] for name in arrays.files}
 
 
+def list_npz(path: Path) -> Texts:
+    """Shape and type, as text, of every array of an ``.npz`` by name; the arrays are not read."""
+    found = {}
+    with (
+        reading("a whole .npz file", path),
+        zipfile.ZipFile(check_input(path)) as archive,
+    ):
+        for member in archive.namelist():
+            with archive.open(member) as file:
+                version = np.lib.format.read_magic(file)
+                read = getattr(np.lib.format, f"read_array_header_{version[0]}_0")
+                shape, _, kind = read(file)
+                found[member.removesuffix(".npy")] = f"{shape} {kind}"
+    return found
+
+
 def frame_from_npz(path: Path, camera: ArrayLike | None = None) -> Frame:
     """Frame of an ``.npz`` with ``depth``, ``intensity`` and, unless given, ``camera``."""
     arrays = read_npz(path)
