@@ -107,14 +107,13 @@ def fails(run):
 
 @fixture(scope="session")
 def exact():
-    """Measurement of exact phases of depths; another truth may be claimed."""
+    """Measurement of exact phases of depths; as ``depth`` another truth may be claimed."""
 
-    def measure(depth, frequencies=FREQUENCIES, truth=None, **attributes):
-        depth = np.asarray(depth, float)
-        phase = [phase_from_depth(depth, f) for f in frequencies]
-        truth = depth if truth is None else truth
+    def measure(true, frequencies=FREQUENCIES, **claimed):
+        true = np.asarray(true, float)
+        phase = [phase_from_depth(true, f) for f in frequencies]
         return cmtof.Measurement.from_phase(
-            phase, frequencies, depth=truth, **attributes
+            phase, frequencies, **{"depth": true} | claimed
         )
 
     return measure

@@ -41,18 +41,15 @@ PLAIN = PROJECTIONS["ai_001_001"]
 VIEWS = [("cam_00", 0), ("cam_00", 42), ("cam_01", 3)]
 
 
-def official_rays(projection):
-    """Rays as the data set's authors describe them: uv from -1 to 1, v up, half a pixel inwards."""
-    height, width = SHAPE
-    u = np.linspace(-1 + 1 / width, 1 - 1 / width, width)
-    v = np.linspace(-1 + 1 / height, 1 - 1 / height, height)[::-1]
-    return unit(np.stack([*np.meshgrid(u, v), np.ones(SHAPE)], axis=-1) @ projection.T)
-
-
 def wall(projection):
-    """Range of a slanted plane, 2 m away."""
+    """Range of a slanted plane, 2 m away.
+
+    Rays are as the data set's authors describe them: uv from -1 to 1, v up, half a pixel inwards.
+    """
+    y, x = (np.indices(SHAPE) + 0.5) / np.reshape(SHAPE, (2, 1, 1))
+    uv = np.stack([2 * x - 1, 1 - 2 * y, np.ones(SHAPE)], axis=-1)
     normal = [0.3, -0.2, 1.0]
-    return -2.0 * np.linalg.norm(normal) / (official_rays(projection) @ normal)
+    return -2.0 * np.linalg.norm(normal) / (unit(uv @ projection.T) @ normal)
 
 
 def write_official(path, array):

@@ -1,4 +1,4 @@
-"""What is refused, and what a refusal says: one line of one pattern."""
+"""Tables of what is refused and of how the house is built; what a refusal says."""
 
 import re
 from pathlib import Path
@@ -7,7 +7,9 @@ from pytest import raises
 
 from cmtof.files import read_document
 
-WRONG = read_document(Path(__file__).with_name("wrong.yml"))
+HERE = Path(__file__).parent
+WRONG = read_document(HERE / "wrong.yml")
+HOUSE = read_document(HERE / "house.yml")
 
 
 def is_one_sentence(error):

@@ -154,9 +154,12 @@ def test_inputs_are_never_replaced(fails, measured, line, words):
     assert [*Path().iterdir()] == [m]
 
 
-@mark.parametrize("line", ["frobnicate", "simulate", "unwrap m.nc", "info --no"])
-def test_wrong_command_lines_end_with_2(run, line):
-    assert run(line)[0] == 2
+@mark.parametrize("line, code, words", WRONG["commands"])
+def test_a_wrong_command_says_so_and_leaves_nothing(run, line, code, words):
+    found, _, err = run(line)
+    assert found == code
+    assert words in err
+    assert not list(Path().iterdir())
 
 
 @mark.parametrize(
@@ -169,7 +172,7 @@ def test_help_teaches(succeeds, command):
 
 
 @mark.parametrize(
-    ("error", "code", "message"),
+    "error, code, message",
     [
         (KeyboardInterrupt(), 130, ""),
         (MemoryError(), 1, "Expected enough memory"),

@@ -130,7 +130,7 @@ def test_true_depth_read_against_the_measured_phase_loses_the_boundaries():
 
 @mark.slow
 @mark.parametrize(
-    ("protocol", "window", "percent"),
+    "protocol, window, percent",
     [("released", 41, (26.6, 54.2, 69.1, 6.0)), ("full", 1, (0.9, 2.8, 4.7, 82.7))],
 )
 def test_beats_of_path_traced_rooms_score_as_an_independent_simulation(

@@ -53,7 +53,7 @@ def test_threads_that_write_one_file_lose_none():
 
 
 @mark.parametrize(
-    ("process", "age", "left"),
+    "process, age, left",
     [(2**22, 900, False), (2**22, 0, True), (1, 900, True)],
 )
 def test_what_a_killed_process_left_is_removed(process, age, left):
@@ -65,16 +65,7 @@ def test_what_a_killed_process_left_is_removed(process, age, left):
     assert lost.exists() == left
 
 
-@mark.parametrize(
-    ("path", "message"),
-    [
-        ("none/a.txt", "Expected an existing folder"),
-        (".", "got the folder"),
-        ("pipe", "got a device or pipe"),
-        ("/proc/a.txt", "can be written to"),  # not even by root
-        ("loop", "got a circle"),
-    ],
-)
+@mark.parametrize("path, message", WRONG["paths"])
 def test_what_cannot_be_written_is_refused_at_once(path, message):
     os.mkfifo("pipe")
     Path("loop").symlink_to("loop")
@@ -85,7 +76,7 @@ def test_what_cannot_be_written_is_refused_at_once(path, message):
 
 
 @mark.parametrize(
-    ("text", "message"),
+    "text, message",
     [
         ("[" * 20_000, "a depth above 20"),
         ("a: " + "x" * 2**20, "at most 1048576 bytes"),

@@ -10,6 +10,7 @@ from pathlib import Path
 
 import grimp
 from pytest import fixture, mark
+from refusals import HOUSE
 
 from cmtof_book import ROOT
 
@@ -20,32 +21,7 @@ PACKAGES = [
     "cmtof",
 ]
 
-# floors of `cmtof`, from the roof to the ground; rooms of one floor do not see each other
-FLOORS = [
-    {"cli"},
-    {"hardware"},
-    {"evaluation"},
-    {"unwrapping"},
-    {"methods"},
-    {"hybrid"},
-    {"network", "surfaces"},
-    {"classical"},
-    {"noise", "statistics"},
-    {"estimate"},
-    {"simulation"},
-    {"measurement", "pointcloud"},
-    {"storage"},
-    {"contract"},
-    {"scenes"},
-    {"captures", "hypersim", "images"},
-    {"frame"},
-    {"bounds", "detector", "hardness"},
-    {"correlation", "modulator"},
-    {"waveform", "jones"},
-    {"air"},
-    {"compiled", "constants", "files", "terminal", "validation"},
-    {"types"},
-]
+FLOORS = [{*floor} for floor in HOUSE["floors"]]
 
 
 @fixture(scope="module")
@@ -117,21 +93,7 @@ def test_each_step_of_a_walk_is_imported_by_one_before_it(modules, graph):
         assert {module, module.removesuffix(".method")} & known, module
 
 
-@mark.parametrize(
-    ("statement", "heavy"),
-    [
-        ("import cmtof", "numpy torch xarray matplotlib scipy"),
-        ("import cmtof.cli", "numpy torch xarray matplotlib lightning pyvista"),
-        ("import cmtof.methods", "torch lightning"),
-        ("import cmtof.simulation, cmtof.scenes", "torch matplotlib trimesh pyvista"),
-        (
-            "import cmtof.hardware.rig",
-            "serial pyvisa pymodbus thorlabs_apt_protocol torch",
-        ),
-        ("import cmtof_lab.stereo", "cv2 torch"),
-        ("import cmtof_book.views", "pyvista vtkmodules"),
-    ],
-)
-def test_heavy_libraries_are_imported_late(statement, heavy):
-    code = f"import sys\n{statement}\nprint(*sorted(set(sys.modules) & set('{heavy}'.split())))"
+@mark.parametrize("modules, heavy", HOUSE["late"].items())
+def test_heavy_libraries_are_imported_late(modules, heavy):
+    code = f"import sys, {modules}; print(*sys.modules.keys() & '{heavy}'.split())"
     assert not subprocess.check_output([sys.executable, "-c", code]).strip()

@@ -33,7 +33,7 @@ def offset_of_surface(mean, spread, said):
 
 
 @mark.parametrize(
-    ("mean", "spread", "moved"),
+    "mean, spread, moved",
     [(0.0, 0.1, 0), (0.4, 0.5, 1)],  # a sure offset stands, an unsure one follows
 )
 def test_the_surer_of_beat_and_network_decides(mean, spread, moved):

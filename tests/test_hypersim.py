@@ -121,7 +121,7 @@ def knows_no_depth(path):
 
 
 @mark.parametrize(
-    ("damage", "message"),
+    "damage, message",
     [
         (cut, "whole HDF5 file"),
         (claims_much, r"its header claims 4e\+12 bytes"),

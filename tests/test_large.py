@@ -30,7 +30,7 @@ def stack(own_folder):
 
 
 @mark.parametrize(
-    ("method", "margin", "engine"),
+    "method, margin, engine",
     [("crt", {"margin": 0}, "h5netcdf"), ("beat", {}, "scipy")],
 )
 def test_tiles_equal_the_whole(stack, method, margin, engine):
@@ -50,19 +50,11 @@ def test_tiles_equal_the_whole(stack, method, margin, engine):
 
 
 def test_every_tile_has_the_rays_of_the_whole(stack):
-    whole = cmtof.open(stack).camera
-    centres = [
-        tile.camera[2:4]
-        for _, tile, _ in unwrap_file(
-            stack,
-            "t.nc",
-            tile=160,
-            method="fast-scnn",
-            weights=weights_path("fast-scnn", "full"),
-        )
-    ]
+    weights = weights_path("fast-scnn", "full")
+    tiles = unwrap_file(stack, "t.nc", tile=160, method="fast-scnn", weights=weights)
+    centres = [tile.camera[2:4] for _, tile, _ in tiles]
     corners = [[0, 0], [32, 0], [0, 32], [32, 32]]  # x, y of what each of them saw
-    assert_allclose(centres, whole[2:4] - corners)
+    assert_allclose(centres, cmtof.open(stack).camera[2:4] - corners)
 
 
 def test_nothing_is_written_unless_all_tiles_are_whole(stack):
@@ -99,7 +91,7 @@ def test_seams_are_no_worse_than_the_inside():
 
 
 @mark.parametrize(
-    ("spoil", "message"),
+    "spoil, message",
     [
         (lambda path: path.write_text("no measurement"), "a whole netCDF4"),
         (lambda path: path.write_bytes(path.read_bytes()[:200_000]), "a whole netCDF4"),

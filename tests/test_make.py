@@ -10,7 +10,7 @@ from refusals import WRONG
 from cmtof_book import ROOT
 
 
-@mark.parametrize(("arguments", "message"), WRONG["make"])
+@mark.parametrize("arguments, message", WRONG["make"])
 def test_settings_are_checked_and_never_run(tmp_path, arguments, message):
     mark = tmp_path / "mark"
     words = [word.replace("MARK", str(mark)) for word in arguments]

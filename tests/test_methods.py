@@ -24,7 +24,7 @@ def given_to(name, frame, **conditions):
 
 
 @mark.parametrize(
-    ("shape", "light", "hidden"),
+    "shape, light, hidden",
     [
         ((24, 32), 0.8, 5),
         ((1, 1), 0.8, 0),
@@ -75,7 +75,7 @@ def test_the_truth_is_asked_for_where_a_method_knows_it(measured, name):
         cmtof.unwrap(blind, method=name)
 
 
-@mark.parametrize(("options", "message"), WRONG["methods"])
+@mark.parametrize("options, message", WRONG["methods"])
 def test_impossible_requests_are_refused_in_one_line(measured, options, message):
     with refused(message):
         cmtof.unwrap(measured, **options)

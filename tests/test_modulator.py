@@ -46,7 +46,7 @@ def test_half_wave_plate_sets_the_bias_and_cancels_static_birefringence(
 
 @mark.parametrize("eta", [0.26, 1.527])
 @mark.parametrize(
-    ("mode", "series"),
+    "mode, series",
     [(SINGLE, single_mode_harmonics), (DOUBLED, doubled_mode_harmonics)],
 )
 def test_harmonics_equal_bessel_values(mode, series, eta):

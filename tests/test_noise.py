@@ -43,7 +43,7 @@ def interval(freedom, missed=1e-3):
     return np.array(chi2.interval(1 - missed, freedom)) / freedom
 
 
-@mark.parametrize(("sigma", "window"), [(0.05, 5), (0.3, 7)])
+@mark.parametrize("sigma, window", [(0.05, 5), (0.3, 7)])
 def test_local_noise_is_the_known_noise(noisy, sigma, window):
     """Disjoint windows are independent: their sum of squares is chi-squared."""
     noise = local_phase_noise(noisy(surface(), sigma), window=window)
@@ -55,7 +55,7 @@ def test_local_noise_is_the_known_noise(noisy, sigma, window):
     assert low < np.mean(apart**2) / sigma**2 < high
 
 
-@mark.parametrize(("sigma", "window"), [(0.134, 3), (0.4, 5)])
+@mark.parametrize("sigma, window", [(0.134, 3), (0.4, 5)])
 def test_averaging_brings_white_noise_down_by_the_window(noisy, sigma, window):
     """On a plane the error is sigma / window (of the phasor's transverse part)."""
     plane = np.add.outer(-0.27 * np.arange(300), 0.61 * np.arange(300))
@@ -85,7 +85,7 @@ def test_coherence_falls_at_edges():
     assert coherence[15, 15] < 0.9 < coherence[15, 5]
 
 
-@mark.parametrize(("ky", "kx"), [(0, 7), (12, 5), (30, 48)])
+@mark.parametrize("ky, kx", [(0, 7), (12, 5), (30, 48)])
 def test_a_ripple_leaves_its_response_and_a_surface_of_third_order_nothing(ky, kx):
     y, x = np.mgrid[:96, :96]
     ripple = 1e-4 * np.cos(TAU * (ky * y + kx * x) / 96)
@@ -118,7 +118,7 @@ def test_spectrum_of_white_noise_is_flat_and_its_mean_is_the_mean_square(rng):
 
 
 @mark.parametrize(
-    ("noise", "lag", "correlation"),
+    "noise, lag, correlation",
     [
         (LineNoise(0.1, 0.0, 0.4, 0.3), (1, 1), 0.12),
         (LineNoise(0.3, 0.4, 0.0, 0.0), (17, 0), 0.64),
@@ -146,7 +146,7 @@ def test_line_noise_is_found_again(known, rng):
     assert_array_less(off, 4 * sem(found) + floors)
 
 
-@mark.parametrize(("sigma", "intensity"), [(300.0, 1.0), (2000.0, 0.3)])
+@mark.parametrize("sigma, intensity", [(300.0, 1.0), (2000.0, 0.3)])
 def test_sigma_and_brightness_come_back_from_their_phase_noise(sigma, intensity):
     noise = phase_spread(simulated_phase_noise(intensity, sigma=sigma))
     assert sigma_from_phase_noise(noise, intensity=intensity) == approx(sigma, rel=1e-8)

@@ -6,7 +6,7 @@ from pytest import mark
 from refusals import WRONG, refused
 
 
-@mark.parametrize(("name", "arguments", "message"), WRONG["calls"])
+@mark.parametrize("name, arguments, message", WRONG["calls"])
 def test_impossible_arguments_are_refused(name, arguments, message):
     with refused(f"^Expected .*{message}"):
         resolve_name(name)(**arguments)

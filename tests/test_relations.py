@@ -118,7 +118,7 @@ FLIPS = {  # each undoes itself
 
 
 @mark.parametrize(
-    ("name", "flip"),
+    "name, flip",
     [
         *product(FAST, FLIPS),
         ("fast-scnn-mirrored", "left and right"),

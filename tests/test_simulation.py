@@ -41,8 +41,7 @@ def test_noise_of_a_flat_wall_has_the_mean_and_variance_of_the_model():
 
 
 def test_released_protocol_shrinks_to_1195_mm_and_keeps_wraps_36_to_56(rng):
-    depth = rng.uniform(1.0, 9.0, (100, 100))
-    m = simulate(lit(depth), noise_free=True)
+    m = simulate(lit(rng.uniform(1.0, 9.0, (100, 100))), noise_free=True)
     assert np.percentile(m.depth, 99.9) == approx(1.195, abs=1e-4)
     counts = wrap_count_from_depth(m.depth.astype(float), 7.15e9)
     # float32 storage may move a depth across a limit by a tenth of a micrometre
@@ -65,7 +64,7 @@ def test_full_protocol_scales_nothing_and_masks_beyond_the_beat():
     assert_allclose(m.amplitude[0], [[6366.2] * 4 + [0.0]], rtol=1e-5)
 
 
-@mark.parametrize(("changes", "message"), WRONG["conditions"])
+@mark.parametrize("changes, message", WRONG["conditions"])
 def test_impossible_conditions_are_refused(tilted_wall, changes, message):
     with refused(message):
         simulate(tilted_wall, **changes)

@@ -11,19 +11,13 @@ import yaml
 from packaging.requirements import Requirement
 from packaging.utils import canonicalize_name
 from pytest import mark
+from refusals import HOUSE
 
 from cmtof.terminal import EXTRAS
 from cmtof_book import ROOT
 
 PROJECT = tomllib.loads((ROOT / "pyproject.toml").read_text("utf-8"))["project"]
-# Extras that the modules of a folder may import from, beside the package's own dependencies.
-PACKAGES = {
-    "src/cmtof": ["hardware", "train"],
-    "src/cmtof_rooms": ["rooms"],
-    "src/cmtof_lab": ["lab"],
-    "src/cmtof_book": ["book", "plot", "train", "view"],
-    "notebooks": ["notebooks", "train"],
-}
+PACKAGES = HOUSE["extras"]
 # Requirements that are found by their name and never imported.
 BACKENDS = {"pyusb", "pyvisa-py"}
 DISTRIBUTIONS = packages_distributions()
@@ -94,7 +88,7 @@ def test_the_command_line_knows_every_module_of_an_extra(folder):
     assert foreign <= EXTRAS.keys()
 
 
-@mark.parametrize(("module", "extra"), EXTRAS.items())
+@mark.parametrize("module, extra", EXTRAS.items())
 def test_the_command_line_names_the_extra_of_a_module(module, extra):
     assert providers(module) & required(extra).keys()
 

@@ -35,7 +35,7 @@ def test_depth_is_the_measured_phase_with_the_nearest_wraps(exact, answering, rn
     assert_array_equal(result.wrap_count, np.floor(estimate / WRAP))
 
 
-@mark.parametrize(("estimate", "end"), [(-3.0, 0.9), (0.0, 0.9), (99.0, 1.1)])
+@mark.parametrize("estimate, end", [(-3.0, 0.9), (0.0, 0.9), (99.0, 1.1)])
 def test_estimates_out_of_range_end_at_its_wraps(exact, answering, rng, estimate, end):
     m = exact(rng.uniform(0.9, 1.1, (20, 20)))
     result = cmtof.unwrap(m, method=answering(estimate), range=(0.9, 1.1))

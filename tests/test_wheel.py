@@ -77,8 +77,7 @@ def linked(folder, wheel, extra):
     (about,) = site.glob("cmtof-*.dist-info")
     wanted = [("cmtof", extra)]
     for name, with_extra in wanted:  # which grows
-        own = name == "cmtof"
-        found = PathDistribution(about) if own else distribution(name)
+        found = PathDistribution(about) if name == "cmtof" else distribution(name)
         link(found, site)
         for one in map(Requirement, found.requires or []):
             if not one.marker or one.marker.evaluate({"extra": with_extra}):
@@ -177,7 +176,7 @@ def test_bare_the_simulated_instrument_scans(bare):
     bare.cmtof("info scan.nc")
 
 
-@mark.parametrize(("extra", "words"), WRONG["extras"].items())
+@mark.parametrize("extra, words", WRONG["extras"].items())
 def test_bare_a_command_names_the_extra_that_it_needs(bare, extra, words):
     (line,) = bare.cmtof(words, code=1).stderr.splitlines()
     assert f"pip install 'cmtof[{extra}]'" in line

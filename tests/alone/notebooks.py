@@ -3,5 +3,4 @@
 import nbformat
 from nbclient import NotebookClient
 
-chapter = nbformat.read("16_stereo.ipynb", as_version=4)
-NotebookClient(chapter, timeout=600).execute()
+NotebookClient(nbformat.read("16_stereo.ipynb", as_version=4), timeout=600).execute()

@@ -32,8 +32,7 @@ def test_one_row_is_the_best_chain(rng, shape, labels):
     """Of all chains, tried one after the other."""
     field = random_field(rng, *shape, labels)
     chains = np.array([*product(range(labels), repeat=6)])
-    told = np.rint(np.diff(field.phase.ravel()) / TAU)
-    steps = abs(np.diff(chains) + told)
+    steps = abs(np.diff(chains) + np.rint(np.diff(field.phase.ravel()) / TAU))
     cost = np.minimum(mrf.JUMP * steps, mrf.MOST).sum(1)
     cost += [field.unary(one.reshape(shape)).sum() for one in chains]
     found, odds = mrf.semi_global_labels(field)
@@ -64,8 +63,7 @@ def test_a_move_is_the_best_of_all(seed, step):
     field = random_field(rng, 2, 4, 5)
     labels = rng.integers(0, 5, (2, 4))
     moved = labels + step * mrf.best_move(field, labels, step)
-    moves = np.reshape([*product((0, 1), repeat=8)], (-1, 2, 4))
-    others = labels + step * moves
+    others = labels + step * np.reshape([*product((0, 1), repeat=8)], (-1, 2, 4))
     inside = [x for x in others if set(x.flat) <= set(range(5))]
     least = min(mrf.energy(field, x) for x in inside)
     assert mrf.energy(field, moved) == approx(least, abs=1e-6)

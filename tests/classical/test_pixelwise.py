@@ -56,7 +56,7 @@ def test_closed_form_beyond_its_bound_is_no_surer_than_a_guess(rng):
     assert (crt.crt_closed_form(m).confidence * 327 <= 1).all()
 
 
-@mark.parametrize(("method", "pair"), [("crt", FREQUENCIES), ("phasor", CLOSE)])
+@mark.parametrize("method, pair", [("crt", FREQUENCIES), ("phasor", CLOSE)])
 def test_single_pixels_are_right_as_often_as_theory_predicts(method, pair):
     """To four standard deviations of 250 000 pixels; the confidence predicts the same."""
     m = simulate(flat_wall(500, 4.0), protocol="full", frequencies=pair)

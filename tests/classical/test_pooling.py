@@ -61,12 +61,11 @@ def densities(m, kernel, radius):
     return found.reshape(*m.shape, -1)
 
 
-@mark.parametrize(("kernel", "radius"), [(0.25, 5), (0.3, 0), (2.0, 3)])
+@mark.parametrize("kernel, radius", [(0.25, 5), (0.3, 0), (2.0, 3)])
 def test_densities_equal_the_sum_as_it_is_written(rng, kernel, radius):
     """Nodes h/2 apart err by 0.4 % of the largest density; the winner is the same beyond ties."""
     y, x = np.indices((11, 14))
-    bright = rng.uniform(0.1, 1, (11, 14))
-    m = simulate(Frame(0.9 + 0.004 * x + 0.002 * y, bright))
+    m = simulate(Frame(0.9 + 0.004 * x + 0.002 * y, rng.uniform(0.1, 1, (11, 14))))
     direct = densities(m, kernel, radius)
     found, best, total = _largest_density(m, kernel, radius)
     assert_allclose(best, direct.max(2), atol=0.01 * direct.max())
@@ -91,7 +90,7 @@ def test_walls_with_a_step_of_phase_are_two_regions(exact, jump):
 
 
 @mark.parametrize(
-    ("name", "options"),
+    "name, options",
     [
         ("still_life", {}),
         ("stairs", {"noise": 300.0}),

@@ -23,15 +23,12 @@ def parts():
 
 def test_a_plan_moves_the_stage_and_reads_the_meter(parts):
     heard = []
-    engine = bluesky.RunEngine()
     plan = plans.scan([parts["power_meter"]], parts["stage"], 0.020, 0.030, 3)
-    engine(plan, lambda name, document: heard.append((name, document)))
+    bluesky.RunEngine()(plan, lambda name, document: heard.append((name, document)))
     events = [document["data"] for name, document in heard if name == "event"]
     assert_allclose([one["stage"] for one in events], [0.020, 0.025, 0.030])
     assert {one["power_meter"] for one in events} == {0.0}  # the shutter is closed
-    (told,) = [
-        document["data_keys"] for name, document in heard if name == "descriptor"
-    ]
+    told = dict(heard)["descriptor"]["data_keys"]
     assert (told["stage"]["units"], told["power_meter"]["units"]) == ("m", "W")
 
 

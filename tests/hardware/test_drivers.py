@@ -125,7 +125,7 @@ def test_a_safe_state_is_tried_again(wire, driver, fail):
     driver.close()
 
 
-@mark.parametrize(("error", "calls"), [(InstrumentTimeout, 0), (Refused, 1)])
+@mark.parametrize("error, calls", [(InstrumentTimeout, 0), (Refused, 1)])
 def test_after_silence_the_rest_of_a_safe_state_is_left_out(error, calls):
     """Each act would wait as long for a device that does not answer."""
     first = Mock(side_effect=error("Expected an answer, got none. Check it."))

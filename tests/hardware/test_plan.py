@@ -25,9 +25,8 @@ def test_every_burst_has_its_own_label():
 
 
 def test_rays_are_those_of_a_pinhole():
-    plan = plan_scan(RIG, size=(3, 5))
     width = 2 * np.tan(np.deg2rad(10))
-    slopes = np.tan(plan.angles)
+    slopes = np.tan(plan_scan(RIG, size=(3, 5)).angles)
     assert_allclose(np.diff(slopes[..., 0], axis=1), width / 5)
     assert slopes[0, 0, 1] == approx(-width / 3)
 

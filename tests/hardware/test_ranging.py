@@ -35,7 +35,7 @@ def bench_of():
 
 
 @mark.parametrize(
-    ("way", "worst"), [("reference", 2e-5), ("rf", 2e-5), ("interferometer", 6.6e-8)]
+    "way, worst", [("reference", 2e-5), ("rf", 2e-5), ("interferometer", 6.6e-8)]
 )
 def test_each_instrument_follows_the_stage(bench_of, way, worst):
     """Within a thousandth of a wrap, and a quarter of a fringe; RF needs more light."""

@@ -46,7 +46,7 @@ def outcome(inside, number=None, *, fails=False, during=None):
 
 
 @mark.parametrize(
-    ("inside", "number", "code", "words"),
+    "inside, number, code, words",
     [
         ("pass", None, 0, ""),
         ("raise RuntimeError('oops')", None, 1, "RuntimeError: oops"),

@@ -9,7 +9,7 @@ from unittest.mock import DEFAULT, Mock, call
 
 from numpy.testing import assert_allclose, assert_array_equal
 from pytest import approx, fixture, mark, raises
-from refusals import WRONG, refused
+from refusals import refused
 from wire import WALL
 
 import cmtof
@@ -185,7 +185,7 @@ def miss_edges(bench, times):
 
 
 @mark.parametrize(
-    ("lose", "error"), [(lose_samples, InstrumentTimeout), (miss_edges, BadReply)]
+    "lose, error", [(lose_samples, InstrumentTimeout), (miss_edges, BadReply)]
 )
 def test_bursts_with_lost_samples_or_edges_are_taken_three_times(whole, lose, error):
     take(prepare=partial(lose, times=2))
@@ -194,7 +194,7 @@ def test_bursts_with_lost_samples_or_edges_are_taken_three_times(whole, lose, er
         take(Path("lost.nc"), prepare=partial(lose, times=3))
 
 
-@mark.parametrize(("stronger", "share"), [(1.5, 1), (1, 1.5)])
+@mark.parametrize("stronger, share", [(1.5, 1), (1, 1.5)])
 def test_more_light_than_allowed_ends_the_scan_before_the_first_lit_line(
     stronger, share
 ):
@@ -274,7 +274,7 @@ def test_an_open_interlock_and_a_lost_lock_end_the_scan(lost):
 
 
 @mark.parametrize(
-    ("twin", "text"),
+    "twin, text",
     [
         (TwinSettings(reference=MIRROR), "it saturates. Put a grey filter"),
         (
@@ -295,14 +295,3 @@ def test_a_generator_that_is_lost_is_noticed_at_the_end_of_the_line():
     with raises(InstrumentTimeout):
         take(prepare=lambda bench: silence(bench.clock, "output_is_on", 13))
     assert recorded() == 13  # header and twelve lines
-
-
-# --- command line --------------------------------------------------------------------------------
-
-
-@mark.parametrize(("line", "code", "text"), WRONG["commands"])
-def test_a_wrong_command_is_one_line(run, line, code, text):
-    found, _, err = run("scan", line)
-    assert found == code
-    assert text in err
-    assert not list(Path().iterdir())

@@ -79,7 +79,7 @@ def test_the_rate_that_the_converter_makes_is_kept_or_refused(peer, daq):
 
 
 @mark.parametrize(
-    ("fault", "error", "text"),
+    "fault, error, text",
     [
         ("lost", BadReply, "status 2944 or a gap"),
         ("skipped", BadReply, "status 2941"),

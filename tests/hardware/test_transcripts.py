@@ -22,7 +22,7 @@ CASES = [
 ]
 
 
-@mark.parametrize(("one", "case"), CASES)
+@mark.parametrize("one, case", CASES)
 def test_a_driver_says_and_understands_what_is_written(one, case):
     pairs = [one.pair(**line) for line in case["lines"]]
     error, words = case.get("raises", (None, None))

@@ -27,8 +27,7 @@ def netcdf(data):
 
 def plain_arrays(data):
     """Content of an ``.npz`` with the arrays of a measurement."""
-    kept = {k: v for k, v in data.variables.items() if v.dtype.kind in "biuf"}
-    return npz(**kept)
+    return npz(**{k: v for k, v in data.variables.items() if v.dtype.kind in "biuf"})
 
 
 def netcdf_3(data):

@@ -18,6 +18,7 @@ import signal
 import sys
 import tempfile
 import warnings
+from functools import cache
 from importlib import import_module
 from pathlib import Path
 
@@ -36,6 +37,7 @@ def started(command, folder, err):
     """Run a command in a process of its own, in a folder; return its number."""
     from cmtof.cli import main
 
+    loaded()
     if (child := os.fork()) == 0:
         code = 99
         try:
@@ -110,6 +112,7 @@ def faults_of_folder(code, folder, files):
             yield f"changed {name}"
 
 
+@cache
 def loaded():
     """Import what cases need, and compile, once for all of them."""
     # a fork does not copy threads, and would wait for them
@@ -132,7 +135,6 @@ def loaded():
 
 def main(count, first=0):
     """Run cases, write the report, and return the exit code."""
-    loaded()
     failures = json.loads(REPORT.read_text("utf-8"))["failures"] if first else []
     for case in range(first, first + count):
         for line in run(case):

@@ -160,7 +160,8 @@ def foreign(rng, data):
     return data
 
 
-METHODS = "surfaces beat crt crt-ml kde mrf mrf-graphcut middle region spatial mode"
+METHODS = """surfaces beat crt crt-ml kde mrf mrf-graphcut middle region spatial mode
+fast-scnn-light phasor"""
 
 
 def measurement(rng):
@@ -177,7 +178,7 @@ def measurement(rng):
     files = {name: perhaps_damaged(rng, write(data), 0.4), "pipe.nc": None}
     if rng.random() < 0.15:
         return files, ["info", name]
-    method = rng.choice([*METHODS.split(), "fast-scnn-light", "phasor"])
+    method = rng.choice(METHODS.split())
     outputs = ["-o out.nc"] * 4 + ["-o out.nc --tile 4"] * 2
     outputs += ["-o m.nc", "-o out.nc --ply out.ply"]
     return files, f"unwrap {name} --method {method} {rng.choice(outputs)}".split()
@@ -190,13 +191,10 @@ def pictures(rng):
     light = np.indices(rng.choice([(12, 16), (24, 32)])).sum(0) * 4
     if rng.random() < 0.7:
         light = np.stack([light] * 3, axis=-1)
-    np.save(
-        buffer := io.BytesIO(),
-        levels.astype(rng.choice([np.uint16, np.uint8, np.float32])),
-    )
-    kinds = [np.uint8] if light.ndim > 2 else [np.uint16, np.uint8, bool]
+    np.save(buffer := io.BytesIO(), levels.astype(rng.choice(["u2", "u1", "f4"])))
+    kinds = ["u1"] if light.ndim > 2 else ["u2", "u1", "?"]
     files = {
-        "d.png": png(levels.astype(rng.choice([np.uint16, np.uint8]))),
+        "d.png": png(levels.astype(rng.choice(["u2", "u1"]))),
         "c.png": png(light.astype(rng.choice(kinds))),
         "d.npy": buffer.getvalue(),
         "rgb.txt": rng.choice(
@@ -232,13 +230,14 @@ def card(rng):
             known[name] = rng.choice(
                 [-1, 0.5, [1], 10**9, "full", "fast-scnn", None, {}]
             )
-    files = {"m.nc": netcdf(whole_measurement()), "w.safetensors": content}
-    files["w.json"] = text or json.dumps(known).encode()
+    files = {
+        "m.nc": netcdf(whole_measurement()),
+        "w.safetensors": content,
+        "w.json": text or json.dumps(known).encode(),
+    }
     method = rng.choice(["u-net", *["fast-scnn-light"] * 4])
-    return (
-        files,
-        f"unwrap m.nc -o out.nc --method {method} --weights w.safetensors".split(),
-    )
+    command = f"unwrap m.nc -o out.nc --method {method} --weights w.safetensors"
+    return files, command.split()
 
 
 RIG = """
@@ -253,8 +252,14 @@ def rig(rng):
     """A description of an instrument."""
     devices = (ROOT / "src/cmtof/hardware/rig.yml").read_text("utf-8")
     known = yaml.safe_load(devices + RIG)
-    command = "scan rig.yml -o out.nc --size 2"
-    return {"rig.yml": document(rng, known)}, command.split()
+    return {"rig.yml": document(rng, known)}, [
+        "scan",
+        "rig.yml",
+        "-o",
+        "out.nc",
+        "--size",
+        "2",
+    ]
 
 
 def journal(rng):
@@ -296,8 +301,14 @@ def configuration(rng):
     if rng.random() < 0.4:
         stage[rng.choice(list(stage))] = strange_value(rng)
     known = yaml.safe_load(CONFIGURATION) | {"stages": [stage]}
-    command = "train c.yml -o run --data none"
-    return {"c.yml": document(rng, known)}, command.split()
+    return {"c.yml": document(rng, known)}, [
+        "train",
+        "c.yml",
+        "-o",
+        "run",
+        "--data",
+        "none",
+    ]
 
 
 COMMANDS = """\

@@ -1,12 +1,7 @@
 """A hundred hostile inputs; `make fuzz` runs five thousand."""
 
 import fuzz
-from pytest import fixture, mark
-
-
-@fixture(scope="module", autouse=True)
-def _loaded():
-    fuzz.loaded()
+from pytest import mark
 
 
 # HDF5 steps over the free space of a heap by its size, in 3001 zero, and never comes to the end

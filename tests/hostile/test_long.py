@@ -32,11 +32,6 @@ COMMANDS = {
 }
 
 
-@fixture(scope="module", autouse=True)
-def _loaded():
-    fuzz.loaded()
-
-
 @fixture
 def folder(tmp_path, measurement_file):
     """Maker of a folder with what the commands read."""
@@ -79,7 +74,7 @@ def contents(path, lost=()):
 
 
 @mark.parametrize(
-    ("name", "kill"),
+    "name, kill",
     [
         *itertools.product(
             ["render", "scan", "train"], ["SIGINT", "SIGTERM", "SIGKILL"]

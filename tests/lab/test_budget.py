@@ -15,7 +15,7 @@ def rms(errors):
 
 
 @mark.parametrize(
-    ("name", "field", "mode"),
+    "name, field, mode",
     [
         ("RF phase drift", "phase_drift", "doubled"),
         ("I/Q imbalance", "iq_imbalance", "single"),

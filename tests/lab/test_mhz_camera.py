@@ -50,7 +50,7 @@ def test_ranges_are_exact_without_noise_and_repeat_after_one_wrap(z):
     assert_allclose(camera.depth(images)[0], z % camera.wrap, atol=1e-9)
 
 
-@mark.parametrize(("power", "distance"), [(8e-3, 0.4), (2.0, 1.23)])
+@mark.parametrize("power, distance", [(8e-3, 0.4), (2.0, 1.23)])
 def test_noise_reaches_its_closed_form(power, distance, rng):
     """12 800 pixels: the standard error of a standard deviation is 0.6 %, the margin 3 %."""
     camera = MhzCamera(power=power)

@@ -72,7 +72,6 @@ def test_the_step_of_the_gauge_blocks_is_along_their_normal():
     rays = unit(np.column_stack([x, y, np.ones(4)]))
     reach = target.look(rays).range
     assert np.isnan(reach[2:]).all()
-    along = rays @ [-np.sin(tilt), 0, np.cos(tilt)]
-    left, right = (along * reach)[:2]
+    left, right = (rays @ [-np.sin(tilt), 0, np.cos(tilt)] * reach)[:2]
     assert left - right == approx(step - 4e-7, abs=1e-12)
     assert left == approx(np.cos(tilt) - 1e-7, abs=1e-12)

@@ -32,7 +32,7 @@ def test_counts_are_those_of_a_scan(mode):
     assert_array_equal(means[1:], scan["raw_counts"][row, 1:, 0, 0])
 
 
-@mark.parametrize(("mode", "target"), [("single", PLATE), ("doubled", MIRROR)])
+@mark.parametrize("mode, target", [("single", PLATE), ("doubled", MIRROR)])
 def test_noise_alone_meets_the_bound(mode, target):
     """5000 estimates and the zeros of 50 days fix a standard deviation to 1.5 %."""
     ranger = OpticalRanger(TwinSettings.ideal(noise=True), mode, visits=8, **STILL)
@@ -42,7 +42,7 @@ def test_noise_alone_meets_the_bound(mode, target):
     assert np.sqrt(np.mean(pulls**2)) == approx(1, abs=0.045)
 
 
-@mark.parametrize(("mode", "most"), [("single", 1e-6), ("doubled", 3e-6)])
+@mark.parametrize("mode, most", [("single", 1e-6), ("doubled", 3e-6)])
 def test_without_errors_the_range_is_right(mode, most):
     """Of a plate's light the doubled mode leaves 280 counts of amplitude, and they are rounded."""
     air = TwinSettings.ideal(pressure=101325.0)

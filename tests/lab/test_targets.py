@@ -16,16 +16,12 @@ CAMERA = [60.0, 60.0, 24.0, 20.0]
 RAYS = directions_from_angles(np.random.default_rng(0).uniform(-0.25, 0.25, (500, 2)))
 
 
-def plane_frame(tilt):
-    """Frame of a tilted plane, seen through a camera."""
-    rays = points_from_depth(np.ones((40, 48)), CAMERA)
-    return lit(Plane(1.0, tilt_x=tilt).look(rays).range, 0.4, CAMERA)
-
-
 @mark.parametrize("tilt", [0.0, 0.4])
 def test_a_frame_of_a_plane_is_that_plane(tilt):
-    frame = FrameTarget(plane_frame(tilt)).look(RAYS)
-    plane = Plane(1.0, tilt_x=tilt).look(RAYS)
+    target = Plane(1.0, tilt_x=tilt)
+    seen = target.look(points_from_depth(np.ones((40, 48)), CAMERA))
+    frame = FrameTarget(lit(seen.range, 0.4, CAMERA)).look(RAYS)
+    plane = target.look(RAYS)
     assert_allclose(frame.range, plane.range, rtol=1e-6)
     assert_allclose(frame.cosine, plane.cosine, atol=1e-2)
     assert set(frame.reflectance.round(6)) == {0.4}

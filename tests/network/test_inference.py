@@ -22,12 +22,6 @@ def in_torch(network, inputs):
         return network(torch.from_numpy(inputs))[0].numpy()
 
 
-def inputs_of(kind, measurement):
-    """Features (1, C, H, W) of a measurement."""
-    phase, amplitude, *more = inference.network_images(measurement, kind)
-    return features(phase, amplitude, kind, *more)[None]
-
-
 @mark.parametrize("numbers", [[7], param(range(32), marks=mark.slow)])
 @mark.parametrize(
     "name", sorted(path.name for path in weights.FOLDER.glob("*.safetensors"))
@@ -41,13 +35,15 @@ def test_wraps_equal_those_of_torch(name, numbers):
         measurement = without_holes(
             cmtof.simulate(frames[number], protocol=card.protocol, frame_number=number)
         )
-        answer = in_torch(network, inputs_of(network.model.features, measurement))
+        kind = network.model.features
+        images = inference.network_images(measurement, kind)
+        answer = in_torch(network, features(*images[:2], kind, *images[2:])[None])
         wraps = (
             answer.argmax(0)
             if len(answer) > 1
             else answer[0].clip(0, card.classes - 1) // 1
         )
-        depth, _ = inference.unwrap_with_network(measurement, weights=path)
+        depth = inference.unwrap_with_network(measurement, weights=path)[0]
         found = wrap_count_from_depth(depth, measurement.frequencies[0])
         same.append(card.first_wrap + wraps == found)
     assert np.mean(same) >= 0.9999

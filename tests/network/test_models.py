@@ -48,9 +48,7 @@ def test_regression_spans_the_range_in_single_precision():
     assert found.dtype == torch.float32 and (found == 179).all()
 
 
-@mark.parametrize(
-    ("protocol", "quarters"), [("released", (1, -1)), ("full", (0, 1, 2, 3))]
-)
+@mark.parametrize("protocol, quarters", [("released", (1, -1)), ("full", (0, 1, 2, 3))])
 def test_fresh_stem_sees_the_beat(protocol, quarters, rng):
     """Means of the rectified filters follow |sin((b - beta)/2)|, whatever the phase."""
     first, classes = CLASSES[protocol]
@@ -96,19 +94,19 @@ def test_frozen_norms_go_into_the_kernels_and_change_nothing(precision):
         torch.autocast("cpu", precision, enabled=precision != torch.float32),
     ):
         folded = network(image).float()
-        for layer in norms(network):
+        for layer in norms(network):  # with running statistics, though in training mode
             layer.train()
-            layer.forward = partial(apply_statistics, layer)
+            layer.forward = partial(
+                torch.nn.functional.batch_norm,
+                running_mean=layer.running_mean,
+                running_var=layer.running_var,
+                weight=layer.weight,
+                bias=layer.bias,
+                eps=layer.eps,
+            )
         apart = network(image).float()
     tolerance = 1e-4 if precision == torch.float32 else 0.1
     assert (folded - apart).abs().max() < tolerance * apart.abs().max()
-
-
-def apply_statistics(norm, x):
-    """A batch norm with its running statistics, though it is in training mode."""
-    return torch.nn.functional.batch_norm(
-        x, norm.running_mean, norm.running_var, norm.weight, norm.bias, eps=norm.eps
-    )
 
 
 def test_dilated_kernels_have_their_gradient_in_mixed_precision():

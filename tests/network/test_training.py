@@ -43,8 +43,7 @@ def test_presets_are_configurations(name):
 
 @mark.slow
 def test_the_miniature_beats_a_constant_answer(tmp_path):
-    file = train(read_config("miniature"), tmp_path, **CPU)
-    assert read_card(file).gain[1] > 0
+    assert read_card(train(read_config("miniature"), tmp_path, **CPU)).gain[1] > 0
 
 
 def test_stages_follow_each_other(config):
@@ -53,7 +52,7 @@ def test_stages_follow_each_other(config):
     assert config.rate_at(1) == approx(2e-3 - 1e-3 / 3)
 
 
-@mark.parametrize(("changes", "stage", "message"), WRONG["configurations"])
+@mark.parametrize("changes, stage, message", WRONG["configurations"])
 def test_bad_configurations_are_refused_in_one_line(
     tmp_path, config, changes, stage, message
 ):

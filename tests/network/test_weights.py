@@ -29,15 +29,13 @@ def test_weights_come_back_in_half_precision_with_their_card(stored):
     assert trained.card == weights.read_card(path) and not trained.network.training
 
 
-def test_state_is_computed_from_the_gain(stored):
+def test_state_is_computed_from_the_gain_and_untrained_weights_warn(
+    stored, measurement
+):
     for low, expected in ((0.05, "trained"), (-0.01, "untrained")):
         path = stored(gain=(0.1, low, 0.2))
         assert weights.state("fast-scnn-light", "released", path.parent) == expected
     assert weights.state("fast-scnn-light", "full", path.parent) == "no weights"
-
-
-def test_untrained_weights_warn(stored, measurement):
-    path = stored(gain=(0.1, -0.01, 0.2))
     with warns(UserWarning, match="fast-scnn-light.released is untrained"):
         cmtof.unwrap(measurement, method="fast-scnn-light", weights=path)
 
@@ -48,7 +46,7 @@ def test_weights_with_the_fewest_classes_are_found(stored):
     assert weights.find_weights("fast-scnn-light", 3, 50, narrow.parent) == wide
 
 
-@mark.parametrize(("changes", "message"), WRONG["cards"])
+@mark.parametrize("changes, message", WRONG["cards"])
 def test_cards_that_do_not_fit_are_refused(stored, changes, message):
     path = stored()
     held = json.loads(path.with_suffix(".json").read_text())

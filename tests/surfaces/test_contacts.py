@@ -97,12 +97,12 @@ def test_a_false_contact_gives_way_to_those_that_agree():
 def test_a_wall_behind_leaves_keeps_its_offset():
     """Sixteen leaves seem to touch it fourteen wraps off, where its own beat forbids it."""
     borders = between(*((0, leaf, 14, 0.9) for leaf in range(1, 17)))
-    found = place(known([0.1, *[0.2] * 16], [0.1, *[1.0] * 16]), borders)
-    assert not found.wraps.any()
+    alone = known([0.1, *[0.2] * 16], [0.1, *[1.0] * 16])
+    assert not place(alone, borders).wraps.any()
 
 
 @mark.parametrize(
-    ("mean", "spread", "odds", "second"),
+    "mean, spread, odds, second",
     [
         ([0, 9], [0.3, 0.3], SURE, 9),  # they disagree
         ([0.1, 0.8], [0.1, 0.5], 0.01, 1),

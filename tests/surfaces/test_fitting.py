@@ -134,14 +134,7 @@ def test_planes_are_called_planes(normal, turns, rng):
     field = field_of(depth, information=20.0, noise_of=rng)
     few = BOXES[abs(BOXES[:, [0, 2]] - (28, 36)).max(1) < 16]
     start = move_surface(field, q, few, BENT, 0.0, (0, turns))[0] if turns else q
-    fit, *_ = fit_plane_or_bent(
-        field,
-        region_of_boxes(few),
-        start,
-        6,
-        15.0,
-        1.0,
-    )
+    fit, *_ = fit_plane_or_bent(field, region_of_boxes(few), start, 6, 15.0, 1.0)
     assert not fit.q[3:].any()
     assert misses(field, fit.q, depth)[1] < 5e-4
 

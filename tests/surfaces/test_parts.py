@@ -13,7 +13,7 @@ PIECES = ALL - ((COLUMNS >= 80) & ~RIGHT)
 
 
 @mark.parametrize(
-    ("inner", "wraps", "count"),
+    "inner, wraps, count",
     [
         (ALL, 5, 2),  # where the beat steps
         (PIECES, 0.2, 2),  # a piece apart that is fitted much better alone

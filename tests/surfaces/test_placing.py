@@ -70,7 +70,7 @@ def test_pixels_with_the_beat_of_another_surface_hardly_count(rng):
     assert abs(beat) < 0.3 and noise < 0.05
 
 
-@mark.parametrize(("information", "side", "share"), [(10, CELL, 0), (100, 1, 1)])
+@mark.parametrize("information, side, share", [(10, CELL, 0), (100, 1, 1)])
 def test_every_pixel_of_a_narrow_surface_counts_where_pixels_are_clear(
     information, side, share
 ):

@@ -133,7 +133,7 @@ def test_phases_alone_do_not_say_how_noisy_they_are(exact):
 
 
 @mark.parametrize(
-    ("frequencies", "scale"),
+    "frequencies, scale",
     [
         ((7.15e9, 14.28e9), 1),  # the beat turns the other way
         ((7.15e9, 7.2e9), 1),  # a near twin
