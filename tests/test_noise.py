@@ -142,7 +142,7 @@ def test_line_noise_is_found_again(known, rng):
         left = local_residual(wrapped(drawn))
         found.append(fit_line_noise(left, part()))
     floors = [0.002, 0.006, 0.02, 0.02]  # what finite windows bias
-    off = abs(np.mean(found, axis=0) - known)
+    off = abs(np.mean(found, 0) - known)
     assert_array_less(off, 4 * sem(found) + floors)
 
 

@@ -45,7 +45,7 @@ class Scene(NamedTuple):
 
     def error(self, label: str) -> Array:
         """Wraps (H, W) by which a method is off, NaN where not scored."""
-        return np.abs(self.count(label) - self.count())
+        return abs(self.count(label) - self.count())
 
     @property
     def limits(self) -> Pair:

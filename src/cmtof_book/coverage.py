@@ -50,7 +50,7 @@ def calibrate_sets() -> Values:
 def scores_of(measurement: Measurement) -> Array:
     """Wraps off (N,), over the odds against a pixel's own wrap, of every 16th scored pixel."""
     pixels = scored_pixels(unwrap(measurement), measurement)
-    off = np.abs(pixels["wrap_count"] - pixels["true_count"])
+    off = abs(pixels["wrap_count"] - pixels["true_count"])
     sure = pixels["confidence"]
     return (off * sure / (1 - sure))[::16]
 

@@ -68,10 +68,10 @@ def _numbers() -> Iterator[tuple[str, float]]:
     wall = Frame(np.full((1, 1000), 0.6), np.full((1, 1000), 0.5))
     noisy = simulate(wall, protocol="full", frequencies=tones)
     error = centred(noisy.phase[:, 0] - phase_from_depth(0.6, tones)[:, None])
-    spread = depth_from_phase(error.std(axis=1), tones)
+    spread = depth_from_phase(error.std(1), tones)
     yield "precision_ratio", spread[0] / spread[-1]
     law = phase_spread(simulated_phase_noise(0.5))  # pyright: ignore[reportArgumentType]
-    yield "phase_noise_ratio", error.std(axis=1).mean() / law
+    yield "phase_noise_ratio", error.std(1).mean() / law
     noise = simulated_phase_noise(1.0)
     yield "wrap_odds", wrap_probability(noise, noise, frequencies=FREQUENCIES)  # pyright: ignore[reportReturnType]
 

@@ -114,8 +114,9 @@ def main(
     if any(offset):
         settings["phase_offset"] = [phase / 1e3 for phase in offset]
     path = path_of(settings, size, runs)
-    new: Fields = {"settings": settings, "size": size, "weights": {}, "frames": []}
-    held = read_json(path) or new
+    held = read_json(path)
+    if held.get("settings") != settings:
+        held = {"settings": settings, "size": size, "weights": {}, "frames": []}
     rows = [
         row for row in rows_of(methods, protocol, runs) if not is_counted(row, held)
     ]

@@ -51,4 +51,4 @@ def test_the_still_shows_the_surface():
         skip("no OpenGL here (Debian: apt-get install libegl1 libgl1)")
     drawn = (still < 0.97).any(-1)
     assert drawn.mean() > 0.3
-    assert np.ptp(still[drawn], axis=0).min() > 0.2  # shaded, not one colour
+    assert np.ptp(still[drawn], 0).min() > 0.2  # shaded, not one colour

@@ -252,14 +252,8 @@ def rig(rng):
     """A description of an instrument."""
     devices = (ROOT / "src/cmtof/hardware/rig.yml").read_text("utf-8")
     known = yaml.safe_load(devices + RIG)
-    return {"rig.yml": document(rng, known)}, [
-        "scan",
-        "rig.yml",
-        "-o",
-        "out.nc",
-        "--size",
-        "2",
-    ]
+    command = "scan rig.yml -o out.nc --size 2"
+    return {"rig.yml": document(rng, known)}, command.split()
 
 
 def journal(rng):
@@ -301,14 +295,8 @@ def configuration(rng):
     if rng.random() < 0.4:
         stage[rng.choice(list(stage))] = strange_value(rng)
     known = yaml.safe_load(CONFIGURATION) | {"stages": [stage]}
-    return {"c.yml": document(rng, known)}, [
-        "train",
-        "c.yml",
-        "-o",
-        "run",
-        "--data",
-        "none",
-    ]
+    command = "train c.yml -o run --data none"
+    return {"c.yml": document(rng, known)}, command.split()
 
 
 COMMANDS = """\

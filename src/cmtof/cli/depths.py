@@ -243,7 +243,7 @@ def methods(
     print_table("", [{key: row[key] for key in head} for row in rows])
     print(f"Default: {DEFAULT}. State: of weights for the released protocol.")
     print(
-        "Right: share of right wraps on validation views, by the card of the weights."
+        "Right: share of right wraps on validation views by the network alone, from its card."
     )
 
 
