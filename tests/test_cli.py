@@ -212,8 +212,9 @@ def test_own_warnings_are_one_line(run, measurement_file, monkeypatch):
 def test_a_rig_file_is_simulated_with_its_own_twin(succeeds):
     """Without --twin its devices would be opened."""
     default = files("cmtof.hardware").joinpath("rig.yml").read_text()
-    twin = "twin: {phase_noise: [0.3, 0.3], grain: 0.2}\n"
-    Path("rig.yml").write_text(default + twin)
+    Path("rig.yml").write_text(
+        default + "twin: {phase_noise: [0.3, 0.3], grain: 0.2}\n"
+    )
     succeeds("scan rig.yml --twin --size 2 -o m.nc --quiet")
     settings = json.loads(cmtof.open("m.nc").dataset.attrs["twin"])
     assert settings["phase_noise"] == [0.3, 0.3]

@@ -144,8 +144,9 @@ def test_beats_of_path_traced_rooms_score_as_an_independent_simulation(
         m = simulate(load_frame(path), protocol=protocol, frame_number=number)
         found = scored_pixels(cmtof.unwrap(m, method="beat", window=window), m)
         tally.add(found | {"wrap_count": found["consistent"]})
-    ours = tally.score()
-    found = [100 * ours[f"delta_{key}"] for key in ("lt_1", "lt_2", "lt_3", "ge_10")]
+    found = [
+        100 * tally.score()[f"delta_{key}"] for key in ("lt_1", "lt_2", "lt_3", "ge_10")
+    ]
     assert_allclose(found, percent, atol=5.0)
 
 

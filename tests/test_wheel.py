@@ -145,8 +145,9 @@ def bare(environment):
 
 
 def test_bare_from_a_frame_to_scores(bare):
-    place = bare.run("-c", "import cmtof; print(cmtof.__file__)").stdout
-    assert "site-packages" in place
+    assert (
+        "site-packages" in bare.run("-c", "import cmtof; print(cmtof.__file__)").stdout
+    )
     assert "torch is not installed" in bare.cmtof("info").stdout
     listed = json.loads(bare.cmtof("methods --json").stdout)
     assert {row["name"] for row in listed} == {*METHODS}
@@ -156,8 +157,9 @@ def test_bare_from_a_frame_to_scores(bare):
 
 def test_bare_evaluate_leaves_out_what_needs_an_extra(bare):
     (line,) = bare.cmtof("evaluate wall.npz --json all.json").stderr.splitlines()
-    told = "onnxruntime, got none. Install it: pip install 'cmtof[networks]'."
-    assert line.endswith(told)
+    assert line.endswith(
+        "onnxruntime, got none. Install it: pip install 'cmtof[networks]'."
+    )
     ran = json.loads((bare.folder / "all.json").read_text())["methods"].keys()
     kinds = ("classical", "trivial")
     assert ran == {name for name, one in METHODS.items() if one.kind in kinds}

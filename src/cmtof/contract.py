@@ -81,7 +81,7 @@ def with_coordinates(dataset: Dataset) -> Dataset:
                 f"Expected a variable '{name}', got {list(dataset.variables)}. "
                 "State it for every image."
             )
-    for name in VARIABLES.keys() & set(dataset.variables):
+    for name in filter(dataset.variables.__contains__, VARIABLES):
         _check_kind(name, dataset[name])
     # outside xarray a variable of two dimensions is no coordinate
     return dataset.set_coords(needed)
@@ -104,7 +104,7 @@ def _check_kind(name: str, variable: DataArray) -> None:
 def in_si_units(dataset: Dataset) -> Dataset:
     """The dataset in the units of `VARIABLES`, converted from the ``units`` attributes."""
     data = dataset.copy()
-    for name in VARIABLES.keys() & set(data.variables):
+    for name in filter(dataset.variables.__contains__, VARIABLES):
         unit = VARIABLES[name].unit
         variable = data[name]
         stated = str(variable.attrs.get("units", unit)).strip()

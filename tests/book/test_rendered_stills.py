@@ -39,8 +39,7 @@ def test_a_rendered_scene_has_phases_and_range_of_a_scan_without_noise():
 def test_the_noise_is_that_of_the_captures_and_shared_by_neighbours():
     turn = np.angle(with_noise(np.full((2, 300, 300), 1e-3 + 0j), default_rng(1)))
     # five deviations of 90,000 correlated pixels
-    level = NOISE["captures"]["phase_noise"]
-    assert turn.std((1, 2)) == approx(level, rel=5 / 400)
+    assert turn.std((1, 2)) == approx(NOISE["captures"]["phase_noise"], rel=5 / 400)
     both = (turn[..., 1:] * turn[..., :-1]).mean((1, 2)) / turn.var((1, 2))
     assert both == approx([NOISE["captures"]["grain"]] * 2, abs=5 / 300)
 

@@ -19,6 +19,7 @@ from cmtof.hardware.device import (
     insist,
     number,
 )
+from cmtof.hardware.scpi import SignalGenerator
 
 # what silence, and a device that has gone, look like on each kind of connection
 SILENCE = {Port: b"", Visa: b"", modbus: TimeoutError()}
@@ -139,3 +140,11 @@ def test_after_silence_the_rest_of_a_safe_state_is_left_out(error, calls):
 def test_what_is_no_number_is_a_bad_reply(text):
     with refused("Expected a number", BadReply):
         number(text)
+
+
+def test_a_reset_without_an_answer_keeps_the_usual_timeout():
+    """A generator that is gone would delay the safe state by ten seconds a question."""
+    resource = Visa(lambda request: b"")
+    with raises(InstrumentTimeout):
+        SignalGenerator(resource, "clock").reset()
+    assert resource.timeout == 0

@@ -41,8 +41,8 @@ def test_counts_are_those_of_the_simulation_with_slow_parts(world, take):
     wanted = scan(plan_scan(replace(RIG, **air), size=2), bench, Path("simulated.nc"))
     assert (found.dataset["time"] > TODAY).all()
     usual, thin = (one.dataset.attrs["group_index"] - 1 for one in (wanted, found))
-    density = 83e3 / 101325 * 293.15 / 303.15  # of an ideal gas
-    assert thin / usual == approx(density, rel=2e-3)
+    ideal_gas = 83e3 / 101325 * 293.15 / 303.15
+    assert thin / usual == approx(ideal_gas, rel=2e-3)
     for name in ("raw_counts", "laser_power", "detuning", "angle"):
         assert_array_equal(found.dataset[name], wanted.dataset[name])
 

@@ -33,8 +33,9 @@ def test_an_inset_lies_inside_at_its_side(side):
 
 @mark.parametrize("axis", ["x", "y", "z"])
 def test_an_inset_of_an_axis_lies_inside_at_both_ends(axis):
-    both = {axis + "0": 0.25, axis + "1": 0.25}
-    assert CUBE.inset(**{axis: 0.25}) == CUBE.inset(**both)
+    assert CUBE.inset(**{axis: 0.25}) == CUBE.inset(
+        **{axis + "0": 0.25, axis + "1": 0.25}
+    )
 
 
 def test_limits_that_are_arrays_stand_for_several_boxes():

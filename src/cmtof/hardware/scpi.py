@@ -101,12 +101,11 @@ class SignalGenerator(ScpiInstrument):
         self._write("*RST")
         usual = self._connection.timeout
         self._connection.timeout = 10_000  # ms, until it is done
-        self._expect(
-            "reset",
-            1,
-            self._ask("*OPC?", lambda line: number(line.removeprefix("*OPC"))),
-        )
-        self._connection.timeout = usual
+        try:
+            done = self._ask("*OPC?", lambda line: number(line.removeprefix("*OPC")))
+        finally:
+            self._connection.timeout = usual
+        self._expect("reset", 1, done)
         self._write("ROSC INT")
         for channel in (1, 2):
             for kind in ("BTWV", "SWWV", "MDWV"):
