@@ -7,7 +7,7 @@ below and spreads further than the bound says.
 
 import numpy as np
 from numpy.typing import ArrayLike
-from scipy import integrate, special
+from scipy import special
 
 from cmtof.constants import FULL_SIGNAL, NOISE_SIGMA
 from cmtof.correlation import TAU
@@ -107,9 +107,11 @@ def phase_spread(linear_noise: float) -> float:
     >>> round(phase_spread(0.445) / 0.445, 2)
     1.18
     """
+    from scipy.integrate import quad
+
     # the density is a peak of width linear_noise: the quadrature starts from it
     edges = [min(np.pi, m * linear_noise) for m in (1, 4, 10)]
-    moment = integrate.quad(
+    moment = quad(
         lambda t: t**2 * phase_density(t, linear_noise),
         0,
         np.pi,
