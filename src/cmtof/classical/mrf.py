@@ -32,7 +32,7 @@ from cmtof.types import Array, Complex, Flags, Numbers, Single
 
 # the best of 13 settings on six views of validation rooms:
 JUMP = 0.03  # cost of a step by one wrap that the phase does not show
-MOST = 0.1  # of the largest step
+MOST = np.float32(0.1)  # of the largest step
 # half side, px, of the square over which phasors are summed, turned by the slope
 RADIUS = 2
 POOLING = 6.0  # standard deviation, px, of the Gaussian over which the beat is averaged
@@ -206,35 +206,33 @@ def _add_path(
     """Costs of the paths from (y - down, x - right) to each pixel, added to total (H, W, N)."""
     # of this row and the one before
     costs = np.empty((2, *total.shape[1:]), np.float32)
-    buffers = np.empty((2, cosine.size + 2), np.float32)
+    # three labels more at each end
+    buffers = np.full((2, cosine.size + 6), MOST)
     for y, x in np.ndindex(phase.shape):
         here = costs[y % 2, x]
-        own = beat[y, x]
-        here[:] = -(own.real * cosine + own.imag * sine)
+        for n in range(here.size):
+            here[n] = -(beat[y, x].real * cosine[n] + beat[y, x].imag * sine[n])
         if y >= down and x >= right:
-            before = (y - down, x - right)
-            fall = phase[before] - phase[y, x]
-            here += _least_cost(costs[before[0] % 2, before[1]], fall, buffers)
+            fall = phase[y - down, x - right] - phase[y, x]
+            here += _least_cost(costs[(y - down) % 2, x - right], fall, buffers)
         total[y, x] += here
 
 
 @njit()
 def _least_cost(before, fall, buffers):  # pragma: no cover - compiled
     """Min over m of ``before(m) - least + min(JUMP |n - m|, MOST)``, moved as the phase falls."""
-    wide, spare = buffers  # a label more at each end
-    wide[0] = wide[-1] = MOST
-    wide[1:-1] = np.minimum(before - before.min(), np.float32(MOST))
+    wide, spare = buffers
+    wide[3:-3] = np.minimum(before - before.min(), MOST)
+    wide[2] = wide[-3] = MOST
     # cones of 1 and 2 steps make up one of 3; 4 cost more than MOST
     for reach in (1, 2):
         rise = np.float32(reach * JUMP)
-        spare[:] = wide
-        above = spare[reach:]
-        above[:] = np.minimum(above, wide[:-reach] + rise)
-        below = spare[:-reach]
-        below[:] = np.minimum(below, wide[reach:] + rise)
+        for n in range(2, wide.size - 2):
+            near = min(wide[n - reach], wide[n + reach])
+            spare[n] = min(wide[n], near + rise)
         wide, spare = spare, wide
     # labels rise where the phase falls by a wrap
-    start = 1 - int(np.rint(fall / np.float32(TAU)))
+    start = 3 - int(np.rint(fall / np.float32(TAU)))
     return wide[start : start + before.size]
 
 
