@@ -175,16 +175,13 @@ def semi_global_labels(field: RandomField) -> tuple[Numbers, Single]:
     cosine, sine = field.waves
     total = np.zeros((*field.phase.shape, cosine.size), np.float32)
     for down, right in PATHS:
-        # each goes down and to the right in images turned over
-        turned = np.s_[:: down or 1, :: right or 1]
         _add_path(
-            field.beat[turned],
-            field.phase[turned],
-            cosine,
-            sine,
-            abs(down),
-            abs(right),
-            total[turned],
+            field.beat,
+            field.phase,
+            field.waves,
+            down,
+            right,
+            total,
         )
     labels = np.empty(field.phase.shape, np.intp)
     odds = np.empty_like(field.phase)
@@ -200,21 +197,25 @@ def semi_global_labels(field: RandomField) -> tuple[Numbers, Single]:
 
 
 @njit()
-def _add_path(
-    beat, phase, cosine, sine, down, right, total
-):  # pragma: no cover - compiled
+def _add_path(beat, phase, waves, down, right, total):  # pragma: no cover - compiled
     """Costs of the paths from (y - down, x - right) to each pixel, added to total (H, W, N)."""
     # of this row and the one before
     costs = np.empty((2, *total.shape[1:]), np.float32)
     # three labels more at each end
-    buffers = np.full((2, cosine.size + 6), MOST)
-    for y, x in np.ndindex(phase.shape):
+    buffers = np.full((2, waves.shape[1] + 6), MOST)
+    for i, j in np.ndindex(phase.shape):
+        y = ~i if down < 0 else i  # from the last row up
+        x = ~j if right < 0 else j
         here = costs[y % 2, x]
+        own = beat[y, x]
         for n in range(here.size):
-            here[n] = -(beat[y, x].real * cosine[n] + beat[y, x].imag * sine[n])
-        if y >= down and x >= right:
-            fall = phase[y - down, x - right] - phase[y, x]
-            here += _least_cost(costs[(y - down) % 2, x - right], fall, buffers)
+            here[n] = -(own.real * waves[0, n] + own.imag * waves[1, n])
+        if i >= abs(down) and j >= abs(right):
+            here += _least_cost(
+                costs[(y - down) % 2, x - right],
+                phase[y - down, x - right] - phase[y, x],
+                buffers,
+            )
         total[y, x] += here
 
 
