@@ -229,8 +229,10 @@ def _least_cost(before, fall, buffers):  # pragma: no cover - compiled
     for reach in (1, 2):
         rise = np.float32(reach * JUMP)
         for n in range(2, wide.size - 2):
-            near = min(wide[n - reach], wide[n + reach])
-            spare[n] = min(wide[n], near + rise)
+            spare[n] = min(
+                wide[n],
+                min(wide[n - reach], wide[n + reach]) + rise,
+            )
         wide, spare = spare, wide
     # labels rise where the phase falls by a wrap
     start = 3 - int(np.rint(fall / np.float32(TAU)))
