@@ -564,7 +564,7 @@ paper.check_all(
         "sec6.qwp_angle": SINGLE.quarter_wave_angle,
         "sec6.hwp_angle_double": DOUBLED.half_wave_angle,
         "sec6.doubled_amplitude": {
-            "at half contrast": ratio,
+            "at half contrast": float(jv(2, np.pi / 6) / jv(1, np.pi / 6)),
             "at full contrast": float(jv(2, np.pi / 2) / jv(1, np.pi / 2)),
         },
         "sec6.effective_wavelength": closed_form(SPEED_OF_LIGHT / FREQUENCY_DOUBLED),

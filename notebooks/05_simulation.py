@@ -129,8 +129,9 @@ for name, read in readings.items():
     print(f"{name}: {np.sqrt(np.mean(centred(read - truth) ** 2)):.2f} rad rms")
 
 # %% [markdown]
-# [Eq. 9](#eq-9) read literally, or the right bin with ψ in the printed order, does not recover the
-# phase; a random phase errs by $\pi/\sqrt3 = 1.81$ rad rms. Without noise decoding must be exact:
+# [Eq. 9](#eq-9) read literally does not recover the phase, nor does the right bin if the set of ψ
+# is used as it is listed, unsorted; a random phase errs by $\pi/\sqrt3 = 1.81$ rad rms. Without
+# noise decoding must be exact:
 
 # %%
 for name in embedded_frames():
@@ -372,7 +373,7 @@ pictures = [naive, *edges, noisy_edges[0]]
 for ax, picture, title in zip(axes, pictures, titles, strict=True):
     look = {"cmap": "RdBu_r", "limits": (-np.pi, np.pi), "bar": False}
     plotting.image(ax, picture, label="", title=title, **look)
-figure.colorbar(axes[0].images[0], ax=axes, shrink=0.6)
+figure.colorbar(axes[0].images[0], ax=axes, shrink=0.6, label="rad")
 plotting.label_panels(axes)
 plotting.save(
     figure,
@@ -486,9 +487,10 @@ round(float(error[lit].std() / np.sqrt(np.mean(law**2))), 1)
 # **2.** Unwrap the measurement by the beat of single pixels. Which share has the right wrap?
 
 # %% tags=["hide-cell"]
-# About one in a hundred, the odds of a single pixel.
+# A few in a hundred, the odds of a single bright pixel.
 found = beat_depth(np.angle(beat_phasor(measured)), measured)
 wraps = [
-    consistent_wrap_count(z, measured.phase[0], f1) for z in (found, measured.depth)
+    consistent_wrap_count(z[scored], measured.phase[0][scored], f1)
+    for z in (found, measured.depth)
 ]
-round(float(np.mean((wraps[0] == wraps[1])[scored])), 2)
+round(float(np.mean(wraps[0] == wraps[1])), 2)

@@ -239,9 +239,10 @@ notes.table(
 # %% [markdown]
 # *Found* is the share of pixels whose measured phase gets the right number of turns. The references
 # add phasors with equal weights and agree with the prediction, as far as so few surfaces allow.
-# With weights by brightness they would gain a little: the last column bounds a method that is
-# given every shape and takes its distance from the beat. Only contacts or flat surfaces exceed it:
-# the shape of a plane in a known camera gives its distance ([chapter 11](11_surfaces.ipynb)).
+# With weights by brightness they would gain a little: the last column is what a method may expect
+# that is given every shape and takes its distance from the beat. Luck apart, only contacts or flat
+# surfaces give more: the shape of a plane in a known camera gives its distance ([chapter
+# 11](11_surfaces.ipynb)).
 
 # %% [markdown]
 # ## Answer

@@ -126,8 +126,9 @@ notes.table(
 )
 
 # %% [markdown]
-# An offset moves the beat, so every method that reads it loses. So does each learned baseline,
-# though none was given filters that form the beat. `with_offsets` is `fast-scnn` after 1,500 more
+# An offset moves the beat, so every method that reads it loses, on the mean of both signs. (A small
+# offset against a method's own bias may help.) So does each learned baseline, though none was given
+# filters that form the beat. `with_offsets` is `fast-scnn` after 1,500 more
 # steps of training, in which each phase of a crop had a random error of 10 mrad: it loses less, and
 # has a lower rate without an offset. The paper's network loses 0.6 points; the paper does not say
 # why an offset leaves it unharmed.
@@ -543,8 +544,9 @@ plotting.save(
         "best_of_map": closed_form([needed.min() for needed in maps.values()]),
     },
     caption="Pixels to pool for 95 % right wraps, white and at the paper's noise, by theory. (a) "
-    "Against the beat of a pair, each at its own range c/2Δ. (b) One tone of each mode at equal "
-    "noise, for a range of 7.49 m; white: two wraps cannot be distinguished.",
+    "Against the beat of a pair, each at its own range c/2Δ; wide: 7.14 and 14.32 GHz. (b) "
+    "One tone of each mode at equal noise, for a range of 7.49 m; white: two wraps cannot be "
+    "distinguished.",
     alt="Left, falling lines of pixels over beat on logarithmic scales. Right, a map: on the "
     "diagonal of equal drives the pixels run to infinity; away from it they fall, and rise again "
     "in patches where the beat repeats within the range.",

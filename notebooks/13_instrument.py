@@ -331,9 +331,11 @@ for mode, one in here.items():
 # %% [markdown]
 # Below the crossing the noise does not depend on the target: it comes from the amplifier and the
 # shot noise of the room's light. The converter's noise is negligible, even with the paper's 14
-# bits. At the photon limit precision is *lower* at the higher frequency, since the amplitude falls
-# faster than the wavelength. Both values are below the paper's 33 µm;
-# [chapter 18](18_error_budget.ipynb) adds drift, air, back-reflected light and cyclic errors.
+# bits. At the photon limit precision is *lower* at the higher frequency where no filter is needed,
+# since the amplitude falls faster than the wavelength. Both values are below the paper's 33 µm.
+# They are for ideal modulators, all 20 samples of a phase and a zero that is known;
+# [chapter 18](18_error_budget.ipynb) has those of the instrument, which are larger, and adds
+# drift, air, back-reflected light and cyclic errors.
 #
 # ## Two noise cases
 #

@@ -183,9 +183,9 @@ plotting.save(
 # Each *day* has its own noise, speckle, drift and driver errors. The zero is set ten minutes before
 # the sweep, at eight known ranges over one wrap, as in a scan: by one reading at each, and by a
 # hundred for RF (in its favour). Fringes are counted from the known first position. Phases are
-# unwrapped with the known range. No data sheet that we have states the drivers' errors in `SPANS`;
-# each day draws its own. The captures' noise ([chapter 7](07_captures.ipynb)) is treated as a
-# disturbance between the two RF drives, so it affects RF demodulation too.
+# unwrapped with the known range. No data sheet that we have states the drivers' errors; each day
+# draws its own, from spans that are assumed. The captures' noise ([chapter 7](07_captures.ipynb))
+# is treated as a disturbance between the two RF drives, so it affects RF demodulation too.
 #
 # ## Table 4
 #
@@ -519,7 +519,7 @@ notes.answer(
     (95 %) on a mirror without the captures' noise; the paper's is 33.5 µm. RF demodulation is as
     good there but fails on the diffuse plate ({plate:.1f} mm). With the phase noise of the
     published captures the all-optical one has {rough_low:.0f} to {rough_high:.0f} µm; {needed:.0f}
-    readings a position give 33.5 µm.
+    readings a position, and as many at each range of the zero, give 33.5 µm.
     """,
     repeats=repeats,
     low=ends_of["plausible"][0],

@@ -1,7 +1,7 @@
 # %% [markdown]
 # # Scanned scenes
 #
-# The paper's headline pictures are scans of a bust, a helmet, an owl and a cluttered table (Paper
+# The paper's headline pictures are scans of a bust, a helmet, an owl and other scenes (Paper
 # Figs. 1 and 16). Does its network unwrap such scans, and do classical methods fail?
 #
 # The scenes are scanned by the simulated instrument, at the photon limit and with the noise of the

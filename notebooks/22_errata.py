@@ -341,8 +341,8 @@ holds[27] = abs(r_squared - said("fig14.r_squared")) < 1e-5
 # [Eq. 9](05_simulation.ipynb#eq-9) takes $\mathcal F_2$, with $\mathcal F_0$ the DC term. For a
 # turn of the *drive* that is the fundamental of the doubled mode, and $\mathcal F_1$ that of the
 # single mode. Of the four samples of Section 5.3, $\mathcal F_2$ is the real Nyquist bin. ψ must be
-# sorted (Section 5.3 lists {0, π/2, 3π/2, π}), and $2|\mathcal F_1|$ is the amplitude after
-# division by the number of samples.
+# sorted first (Section 5.3 has the set {0, π/2, 3π/2, π}), and $2|\mathcal F_1|$ is the amplitude
+# after division by the number of samples.
 #
 # ### 11 · Femtoseconds
 # 33.5 µm of range are 223 fs of round trip. But that error is mostly a constant (entry 15); as
@@ -445,10 +445,11 @@ holds[20] = scales.min() > 1
 # ### 21 · The difference of the frequencies
 # 7.17 GHz is said to help unwrapping, but its phase wraps as often as that of the lower frequency.
 # The useful combination is $\varphi_2-2\varphi_1$, at 20 MHz. Doubling does not improve precision
-# with these modulators: at η = π/4 the weaker signal makes the depth noise *greater* than the
-# single mode's, behind shot noise 1.4 and behind constant noise 2.6 times ([chapter
-# 18](18_error_budget.ipynb)). At equal amplitude, as [Eq. 8](05_simulation.ipynb#eq-8) assumes, it
-# would halve it.
+# with these modulators while the detector is below saturation: at η = π/4 the weaker signal makes
+# the depth noise *greater* than the single mode's, behind shot noise 1.4 and behind constant noise
+# 2.6 times. Where a filter must hold the light within the detector's range, it is smaller
+# ([chapter 18](18_error_budget.ipynb)). At equal amplitude, as
+# [Eq. 8](05_simulation.ipynb#eq-8) assumes, doubling would halve it.
 #
 # ### 23 · An offset of 0.01 rad
 # ±0.01 rad between the frequencies moves *every* wrap count read from the beat by more than half a

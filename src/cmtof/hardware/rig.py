@@ -90,7 +90,7 @@ class Rig:
     mirror_volts_per_degree: tuple[Volts, Volts] = (0.5, 0.5)
     # straight ahead
     mirror_offset_volts: tuple[Volts, Volts] = (0.0, 0.0)
-    # by STEPS of plan.py
+    # after steps of 0.4, 40 and 80 degrees
     mirror_settling: tuple[Seconds, Seconds, Seconds] = (4e-4, 7.7e-3, 0.02)
     detector_input: Input = "AIN0"
     # of the RF demodulator's I and Q
