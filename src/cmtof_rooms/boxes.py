@@ -145,4 +145,20 @@ class Box(NamedTuple):
 
     def bars(self, axis: str, middles: Array, half: float) -> "Box":
         """Boxes about ``middles`` along an axis, m, that reach ``half``, m, to either side."""
-        return self._replace(**{axis + "0": middles - half, axis + "1": middles + half})
+        return self._along(axis, middles - half, middles + half)
+
+    def split(self, axis: str, count: int) -> "Box":
+        """Boxes of equal size, a number of them, that fill this one along an axis.
+
+        >>> Box.standing((2.0, 1.0, 3.0)).split("x", 2).x0.tolist()
+        [-1.0, 0.0]
+        """
+        low = getattr(self, axis + "0")
+        high = getattr(self, axis + "1")
+        edges = np.linspace(low, high, count + 1)
+        return self._along(axis, edges[:-1], edges[1:])
+
+    def _along(self, axis: str, low: Array, high: Array) -> "Box":
+        """Boxes between limits (N,) along an axis, N for each that this one stands for."""
+        each = [limit[..., None] if np.ndim(limit) else limit for limit in self]
+        return Box(*each)._replace(**{axis + "0": low, axis + "1": high})

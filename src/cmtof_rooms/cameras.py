@@ -77,9 +77,9 @@ def look_at(position: Array, target: Array, roll: float = 0.0) -> Camera:
 
 
 def choose_cameras(
-    count: int,
     interior: Interior,
     lens: Lens,
+    count: int,
     rng: Generator,
     wanted: Callable[[Generator], float],
     draw: Callable[[Generator], Camera],
@@ -91,10 +91,10 @@ def choose_cameras(
 
     Parameters
     ----------
-    count : int
-        How many views.
     interior : Interior
     lens : Lens
+    count : int
+        How many views.
     rng : Generator
     wanted : callable
         Draws the median range of a view, m.

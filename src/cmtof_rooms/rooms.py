@@ -86,22 +86,20 @@ class FurnishedRoom:
         Together ``views``; the first ones stay the same when more are asked for.
         """
         close = close_views(self.index, views)
-        across = partial(camera_across, self.floor, self.height)
-        near = partial(camera_close, middles_of(self.furniture))
-        wanted = {
-            "cam_00": (views - close, ACROSS, range_across, across),
-            "cam_01": (close, CLOSE, range_close, near),
-        }
+        choose = partial(choose_cameras, self.interior, lens)
         return {
-            name: choose_cameras(
-                count,
-                self.interior,
-                lens,
-                stream(self.seed, self.index, use),
-                middle,
-                draw,
-            )
-            for name, (count, use, middle, draw) in wanted.items()
+            "cam_00": choose(
+                views - close,
+                stream(self.seed, self.index, ACROSS),
+                range_across,
+                partial(camera_across, self.floor, self.height),
+            ),
+            "cam_01": choose(
+                close,
+                stream(self.seed, self.index, CLOSE),
+                range_close,
+                partial(camera_close, middles_of(self.furniture)),
+            ),
         }
 
 

@@ -235,13 +235,8 @@ def sheet(grid: ArrayLike, thickness: float) -> Trimesh:
     number = np.arange(points[..., 0].size).reshape(points.shape[:2])
     behind = number.size
     front = triangles_of(cells_of(number).reshape(-1, 4))
-    edges = [
-        number[:-1, 0],
-        number[-1, :-1],
-        number[:0:-1, -1],
-        number[0, :0:-1],
-    ]
-    rim = np.concatenate(edges)
+    # all but the last point of each side, one side after the other
+    rim = np.concatenate([np.rot90(number, -side)[:-1, 0] for side in range(4)])
     following = np.roll(rim, -1)
     faces = [
         front,
