@@ -9,7 +9,7 @@ from itertools import pairwise
 import numpy as np
 from trimesh import Trimesh
 
-from cmtof_rooms.boxes import Box, Rectangle
+from cmtof_rooms.boxes import Box
 from cmtof_rooms.kit import Kit, Piece, Solids, Top
 from cmtof_rooms.materials import Material
 from cmtof_rooms.presets import presets
@@ -110,7 +110,7 @@ def cloth(
 
 def rug(kit: Kit, space: Box) -> Iterator[Solids]:
     """A rug on the floor, a fifth of them oval."""
-    x0, x1, y0, y1 = space.floor
+    x0, x1, y0, y1 = space[:4]
     corners = [(x0, y0), (x1, y0), (x1, y1), (x0, y1)]
     outline = ellipse(space.size[:2], 40) if kit.chance(0.2) else corners
     yield "fabric", extrusion(outline, space.z1)
@@ -140,8 +140,8 @@ def _leaves(kit: Kit, green: Material, width: float, pot: float, crown: float) -
     leaves = []
     stems = []
     for k in range(kit.count((7, 17))):
-        shift, reach, rise = kit.draw("leaf")
-        turn = 2.4 * k + shift
+        turn, reach, rise = kit.draw("leaf")
+        turn += 2.4 * k
         tip = reach * width / 2 * np.array([np.cos(turn), np.sin(turn)])
         top = pot + crown * rise
         stem = [(0, 0, 0.8 * pot), (*0.3 * tip, (pot + top) / 2), (*tip, top)]
@@ -240,7 +240,7 @@ def stack(
     for z0, z1 in pairwise(space.z1 * np.unique([0.0, *shares, 1.0])):
         layer = space.cut(z0=z0, z1=z1 - 1e-3)
         yield material, _case(kit, layer) if number > 1 else layer
-    yield Top(Rectangle(*np.divide(space.floor, 1.5)), space.z1, 0.4)
+    yield Top(Box.standing(space.size / [1.5, 1.5, 1]), 0.4)
 
 
 def _case(kit: Kit, space: Box) -> Trimesh:
