@@ -1,6 +1,6 @@
-"""Rectangles of a floor or a wall, and boxes along the axes, by their limits, m."""
+"""Boxes along the axes by their limits, m: solids, and places in a room that they take."""
 
-from collections.abc import Iterable, Sequence
+from collections.abc import Sequence
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -10,64 +10,6 @@ from cmtof.types import Array
 Vector = Sequence[float] | Array  # such as a point or a size, m
 Triple = tuple[float, float, float]
 Limit = Any  # A number, m, or an array of them where a `Box` stands for several
-
-
-class Rectangle(NamedTuple):
-    """A piece of a floor (x and y) or of a wall (along it and in height), m."""
-
-    x0: float
-    x1: float
-    y0: float
-    y1: float
-
-    @classmethod
-    def about(cls, middle: Vector, size: Vector) -> "Rectangle":
-        """Rectangle of a size (x, y) about a point (x, y), m."""
-        x, y = middle
-        width, depth = size
-        return cls(x - width / 2, x + width / 2, y - depth / 2, y + depth / 2)
-
-    @property
-    def start(self) -> Array:
-        """Lowest corner (x, y), m."""
-        return np.array(self[::2])
-
-    @property
-    def end(self) -> Array:
-        """Highest corner (x, y), m."""
-        return np.array(self[1::2])
-
-    @property
-    def size(self) -> Array:
-        """Size along x and y, m."""
-        return self.end - self.start
-
-    def grow(
-        self, left: float, right: float, below: float, above: float
-    ) -> "Rectangle":
-        """Rectangle that reaches further by margins, m, below x0, above x1, below y0, above y1."""
-        return Rectangle(*np.add(self, (-left, right, -below, above)).tolist())
-
-    def contains(self, other: "Rectangle") -> bool:
-        """Whether another rectangle lies within this one."""
-        return bool((self.start <= other.start).all() and (other.end <= self.end).all())
-
-    def meets(self, others: Iterable["Rectangle"], gap: float = 1e-6) -> bool:
-        """Whether this rectangle overlaps one of several others by more than ``gap``, m.
-
-        >>> Rectangle(0, 1, 0, 1).meets([Rectangle(1, 2, 0, 1)])
-        False
-        >>> Rectangle(0, 1, 0, 1).meets([Rectangle(0.5, 2, 0.5, 2)])
-        True
-        """
-        x0, x1, y0, y1 = self
-        return any(
-            x0 < b - gap and a < x1 - gap and y0 < d - gap and c < y1 - gap
-            for a, b, c, d in others
-        )
-
-
-Rectangles = list[Rectangle]
 
 
 class Box(NamedTuple):
@@ -81,29 +23,57 @@ class Box(NamedTuple):
     z1: Limit
 
     @classmethod
-    def standing(cls, size: Vector) -> "Box":
-        """Box of a size (width, depth, height), m, that stands on z = 0 about the z axis.
+    def standing(cls, size: Vector, foot: Vector = (0.0, 0.0, 0.0)) -> "Box":
+        """Box of a size (width, depth, height), m, the middle of whose foot lies at a point, m.
 
         >>> Box.standing((2.0, 1.0, 3.0))
         Box(x0=-1.0, x1=1.0, y0=-0.5, y1=0.5, z0=0.0, z1=3.0)
         """
         width, depth, height = size
-        return cls(*Rectangle.about((0.0, 0.0), (width, depth)), 0.0, height)
+        x, y, z = foot
+        return cls(
+            x - width / 2,
+            x + width / 2,
+            y - depth / 2,
+            y + depth / 2,
+            z,
+            z + height,
+        )
+
+    @property
+    def low(self) -> Array:
+        """Lowest corner (x, y, z), m."""
+        return np.array(self[::2])
+
+    @property
+    def high(self) -> Array:
+        """Highest corner (x, y, z), m."""
+        return np.array(self[1::2])
 
     @property
     def size(self) -> Array:
         """Width, depth and height, m."""
-        return np.subtract(self[1::2], self[::2])
+        return self.high - self.low
 
     @property
     def middle(self) -> Array:
         """Middle along x, y and z, m."""
-        return np.add(self[1::2], self[::2]) / 2
+        return (self.high + self.low) / 2
 
-    @property
-    def floor(self) -> Rectangle:
-        """Rectangle that the box covers, seen from above."""
-        return Rectangle(*self[:4])
+    def contains(self, other: "Box") -> bool:
+        """Whether another box lies within this one."""
+        return bool((self.low <= other.low).all() and (other.high <= self.high).all())
+
+    def meets(self, others: Sequence["Box"]) -> bool:
+        """Whether this box overlaps one of several others by more than 1 µm.
+
+        >>> cube = Box(0, 1, 0, 1, 0, 1)
+        >>> cube.meets([cube.cut(x0=1, x1=2)]), cube.meets([cube.cut(x0=0.5, x1=2)])
+        (False, True)
+        """
+        low, high = np.reshape(others, (-1, 3, 2)).T
+        shared = np.minimum(high.T, self.high) - np.maximum(low.T, self.low)
+        return bool((shared > 1e-6).all(axis=1).any())
 
     def singles(self) -> list["Box"]:
         """Single boxes, six numbers each, that a box with arrays as limits stands for.
@@ -130,10 +100,10 @@ class Box(NamedTuple):
         """
         limits = {}
         for name, margin in margins.items():
-            axis, *ends = name
-            for end in ends or "01":
+            for end in name[1:] or "01":
+                side = name[0] + end
                 inwards = margin if end == "0" else -margin
-                limits[axis + end] = getattr(self, axis + end) + inwards
+                limits[side] = getattr(self, side) + inwards
         return self._replace(**limits)
 
     def ends(self, axis: str, thickness: float) -> "Box":
@@ -145,4 +115,23 @@ class Box(NamedTuple):
 
     def bars(self, axis: str, middles: Array, half: float) -> "Box":
         """Boxes about ``middles`` along an axis, m, that reach ``half``, m, to either side."""
-        return self._replace(**{axis + "0": middles - half, axis + "1": middles + half})
+        return self._along(axis, middles - half, middles + half)
+
+    def split(self, axis: str, count: int) -> "Box":
+        """Boxes of equal size, a number of them, that fill this one along an axis.
+
+        >>> Box.standing((2.0, 1.0, 3.0)).split("x", 2).x0.tolist()
+        [-1.0, 0.0]
+        """
+        low = getattr(self, axis + "0")
+        high = getattr(self, axis + "1")
+        edges = np.linspace(low, high, count + 1)
+        return self._along(axis, edges[:-1], edges[1:])
+
+    def _along(self, axis: str, low: Array, high: Array) -> "Box":
+        """Boxes between limits (N,) along an axis, N for each that this one stands for."""
+        each = [limit[..., None] if np.ndim(limit) else limit for limit in self]
+        return Box(*each)._replace(**{axis + "0": low, axis + "1": high})
+
+
+Boxes = list[Box]

@@ -3,7 +3,7 @@
 import numpy as np
 
 from cmtof.types import Fields
-from cmtof_rooms.boxes import Box, Rectangle
+from cmtof_rooms.boxes import Box
 from cmtof_rooms.kit import Kit
 from cmtof_rooms.openings import (
     SKY,
@@ -30,12 +30,12 @@ def build_shell(kit: Kit, room: Fields) -> Shell:
     is_open = room.get("open", False)
     quarter = np.pi / 2
     walls = [
-        Wall(Place(width, 0.0, np.pi), width),
-        Wall(Place(width, depth, -quarter), depth),
+        Wall(Place(width, 0.0, turn=np.pi), width),
+        Wall(Place(width, depth, turn=-quarter), depth),
         Wall(Place(0.0, depth), width),
-        Wall(Place(0.0, 0.0, quarter), depth),
+        Wall(Place(0.0, 0.0, turn=quarter), depth),
     ]
-    floor = [Rectangle(0.0, width, 0.0, depth)]
+    floor = [Box(0.0, width, 0.0, depth, 0.0, height)]
     is_day = is_open or kit.chance(0.75)
     shell = Shell(
         width,
@@ -68,16 +68,16 @@ def build_shell(kit: Kit, room: Fields) -> Shell:
 def _cut_corner(kit: Kit, shell: Shell) -> None:
     """Make the room an L by a block in one corner: two more walls, a floor of two rectangles."""
     (whole,) = shell.floor
-    size = whole.end * kit.draw("notch")  # of the block
-    x, y = whole.end - size
+    size = whole.high[:2] * kit.draw("notch")  # of the block
+    x, y = whole.high[:2] - size
     # the outer walls behind the block stay, but nothing stands there
-    shell.walls[1].taken.append(Rectangle(0.0, size[1], 0.0, 99.0))
-    shell.walls[2].taken.append(Rectangle(x, shell.width, 0.0, 99.0))
+    shell.walls[1].taken.append(Box(0.0, size[1], -9.0, 9.0, 0.0, 99.0))
+    shell.walls[2].taken.append(Box(x, shell.width, -9.0, 9.0, 0.0, 99.0))
     shell.walls += [
         Wall(Place(x, y), size[0]),
-        Wall(Place(x, shell.depth, -np.pi / 2), size[1]),
+        Wall(Place(x, shell.depth, turn=-np.pi / 2), size[1]),
     ]
-    shell.floor = [whole._replace(y1=y), whole._replace(x1=x)]
+    shell.floor = [whole.cut(y1=y), whole.cut(x1=x)]
 
 
 def _add_openings(kit: Kit, shell: Shell) -> None:
@@ -139,9 +139,8 @@ def _add_skirting(kit: Kit, shell: Shell) -> None:
     paint = kit.material("front")
     parts = []
     for wall in shell.walls:
-        cuts = sorted(taken[:2] for taken in wall.taken if taken.y0 < height)
+        cuts = sorted(taken[:2] for taken in wall.taken if taken.z0 < height)
         ends = np.array([0.0, *np.ravel(cuts), wall.length]).reshape(-1, 2)
-        for start, end in ends[ends[:, 1] > ends[:, 0] + 0.05]:
-            parts += wall.place.parts(paint, Box(start, end, -0.014, 0.0, 0.0, height))
-    if parts:
-        shell.things.append(Thing("skirting", parts))
+        x0, x1 = ends[ends[:, 1] > ends[:, 0] + 0.05].T
+        parts += wall.place.parts(paint, Box(x0, x1, -0.014, 0.0, 0.0, height))
+    shell.things.append(Thing("skirting", parts))

@@ -8,7 +8,7 @@ from numpy.random import Generator
 
 from cmtof.frame import rays_from_camera
 from cmtof.types import Array, Shape
-from cmtof_rooms.boxes import Rectangles
+from cmtof_rooms.boxes import Boxes
 from cmtof_rooms.engine import sphere_of_directions
 from cmtof_rooms.interior import Interior
 from cmtof_rooms.kit import weighted_choice
@@ -77,9 +77,9 @@ def look_at(position: Array, target: Array, roll: float = 0.0) -> Camera:
 
 
 def choose_cameras(
-    count: int,
     interior: Interior,
     lens: Lens,
+    count: int,
     rng: Generator,
     wanted: Callable[[Generator], float],
     draw: Callable[[Generator], Camera],
@@ -91,10 +91,10 @@ def choose_cameras(
 
     Parameters
     ----------
-    count : int
-        How many views.
     interior : Interior
     lens : Lens
+    count : int
+        How many views.
     rng : Generator
     wanted : callable
         Draws the median range of a view, m.
@@ -119,15 +119,15 @@ def range_across(rng: Generator) -> float:
     return MIDDLE * np.exp(SPREAD * rng.normal())
 
 
-def camera_across(floor: Rectangles, height: float, rng: Generator) -> Camera:
-    """Draw a camera that a person could hold, standing or sitting, in a room of a height, m.
+def camera_across(floor: Boxes, rng: Generator) -> Camera:
+    """Draw a camera that a person could hold, standing or sitting, in one of a room's pieces.
 
     Four of five face a wall squarely, as interiors are often photographed.
     """
-    piece = weighted_choice(rng, floor, [piece.size.prod() for piece in floor])
-    eye_height = min(rng.choice([1.1, 1.4, 1.6, 1.9]), height - 0.4)
+    piece = weighted_choice(rng, floor, [piece.size[:2].prod() for piece in floor])
+    eye_height = min(rng.choice([1.1, 1.4, 1.6, 1.9]), piece.z1 - 0.4)
     # with one's back to the wall, mostly
-    eye = np.append(piece.start + rng.beta(0.6, 0.6, 2) * piece.size, eye_height)
+    eye = np.append(piece.low[:2] + rng.beta(0.6, 0.6, 2) * piece.size[:2], eye_height)
     heading = rng.uniform(0, 2 * np.pi)
     if rng.uniform() < SQUARE:
         heading = np.pi / 2 * rng.integers(4) + rng.normal(0, 0.05)

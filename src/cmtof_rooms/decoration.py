@@ -9,8 +9,9 @@ from itertools import pairwise
 import numpy as np
 from trimesh import Trimesh
 
-from cmtof_rooms.boxes import Box, Rectangle
+from cmtof_rooms.boxes import Box
 from cmtof_rooms.kit import Kit, Piece, Solids, Top
+from cmtof_rooms.materials import Material
 from cmtof_rooms.presets import presets
 from cmtof_rooms.solids import (
     ball,
@@ -109,7 +110,7 @@ def cloth(
 
 def rug(kit: Kit, space: Box) -> Iterator[Solids]:
     """A rug on the floor, a fifth of them oval."""
-    x0, x1, y0, y1 = space.floor
+    x0, x1, y0, y1 = space[:4]
     corners = [(x0, y0), (x1, y0), (x1, y1), (x0, y1)]
     outline = ellipse(space.size[:2], 40) if kit.chance(0.2) else corners
     yield "fabric", extrusion(outline, space.z1)
@@ -130,27 +131,24 @@ def plant(kit: Kit, space: Box, *, style: str = "leaves") -> Piece:
         stem = [(0, 0, 0.8 * pot), (0, 0, pot + 0.3 * crown)]
         yield green, sweep(stem, 0.03 * pot + 0.01, 6)
     else:
-        leaves, stems = _leaves(kit, width, pot, crown)
-        yield green, *leaves
-        yield green, *stems
+        yield from _leaves(kit, green, width, pot, crown)
 
 
-def _leaves(
-    kit: Kit, width: float, pot: float, crown: float
-) -> tuple[list[Trimesh], list[Trimesh]]:
+def _leaves(kit: Kit, green: Material, width: float, pot: float, crown: float) -> Piece:
     """Leaves of a plant, and the bent stems that carry them out of its pot."""
     leaf = ball((0.2 * width, 0.085 * width, 0.008), fineness=1)
     leaves = []
     stems = []
     for k in range(kit.count((7, 17))):
-        shift, reach, rise = kit.draw("leaf")
-        turn = 2.4 * k + shift
+        turn, reach, rise = kit.draw("leaf")
+        turn += 2.4 * k
         tip = reach * width / 2 * np.array([np.cos(turn), np.sin(turn)])
         top = pot + crown * rise
         stem = [(0, 0, 0.8 * pot), (*0.3 * tip, (pot + top) / 2), (*tip, top)]
         stems.append(sweep(stem, 0.004 + 0.004 * crown, 5))
         leaves.append(move(leaf, stem[-1], turn))
-    return leaves, stems
+    yield green, *leaves
+    yield green, *stems
 
 
 def picture(
@@ -217,11 +215,11 @@ def radiator(kit: Kit, space: Box) -> Piece:
 def stairs(kit: Kit, space: Box, *, rail: bool = True) -> Piece:
     """Steps that rise along x to the height of a space, perhaps with a banister at its front."""
     count = max(2, round(space.z1 / 0.18))
-    x = np.linspace(space.x0, space.x1, count + 1)
     z = np.linspace(0, space.z1, count + 1)[1:]
-    yield "wood", space.cut(x0=x[:-1], x1=x[1:], z1=z)
+    steps = space.split("x", count).cut(z1=z)
+    yield "wood", steps
     if rail:
-        middles = (x[:-1] + x[1:]) / 2
+        middles = (steps.x0 + steps.x1) / 2
         feet = np.column_stack([middles, np.full(count, space.y0 + 0.04), z])
         tops = feet + np.array([0, 0, 0.9])
         bars = [sweep(ends, 0.012, 6) for ends in zip(feet, tops, strict=True)]
@@ -242,7 +240,7 @@ def stack(
     for z0, z1 in pairwise(space.z1 * np.unique([0.0, *shares, 1.0])):
         layer = space.cut(z0=z0, z1=z1 - 1e-3)
         yield material, _case(kit, layer) if number > 1 else layer
-    yield Top(Rectangle(*np.divide(space.floor, 1.5)), space.z1, 0.4)
+    yield Top(Box.standing(space.size / [1.5, 1.5, 1]), 0.4)
 
 
 def _case(kit: Kit, space: Box) -> Trimesh:

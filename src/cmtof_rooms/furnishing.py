@@ -4,33 +4,48 @@ from dataclasses import dataclass, field
 
 import numpy as np
 
-from cmtof.types import Values
-from cmtof_rooms.boxes import Box, Rectangle, Rectangles
-from cmtof_rooms.kit import Top
+from cmtof.types import Array, Fields, Values
+from cmtof_rooms.boxes import Box, Boxes
+from cmtof_rooms.kit import Kit, Top, weighted_choice
 from cmtof_rooms.makers import MAKERS
 from cmtof_rooms.presets import presets
+from cmtof_rooms.shell import Shell
+from cmtof_rooms.solids import turn_about_z
 from cmtof_rooms.things import Light, Place, Thing
-from cmtof_rooms.vacancy import (
-    Extents,
-    Kind,
-    Vacancy,
-    turned_size,
-)
+
+Kind = Fields  # one of the ``kinds`` of `presets.yml`
+
+Extents = Array  # width, depth, height, m
+
+TRIES = 14  # places that are tried for one thing before it is left out
 
 WARM = (1.0, 0.93, 0.82)  # colour of lamps
 
 
 @dataclass
-class Furnishing(Vacancy):
+class Furnishing:
     """A room being furnished.
 
     Attributes
     ----------
+    shell : Shell
+    kit : Kit
+    clear : list of Box
+        Space that stays free.
+    taken : list of Box
+        Space of what stands on the floor.
     things : list of Thing
         Furniture, in the room's coordinates.
+    lights : list of Light
+        Lamps in the room.
     """
 
+    shell: Shell
+    kit: Kit
+    clear: Boxes = field(default_factory=list)
+    taken: Boxes = field(default_factory=list)
     things: list[Thing] = field(default_factory=list)
+    lights: list[Light] = field(default_factory=list)
 
     def fill(self, counts: Values) -> None:
         """Place furniture in the order of `presets.yml`, each kind about as often as ``counts``."""
@@ -47,7 +62,7 @@ class Furnishing(Vacancy):
         """Make one thing of a kind with what belongs to it, if there is a place for it."""
         kind = _kind(name)
         size = self._size(name)
-        place = self.find(kind, size)
+        place = self._find(kind, size)
         if place is None:
             return
         tops = self._stand(name, size, place)
@@ -90,9 +105,9 @@ class Furnishing(Vacancy):
             y = size[1] / 2 + seat[1] / 2 + self.kit.between(0.02, 0.25)
             turn = self.kit.between(-0.1, 0.1) + (0.0 if side else np.pi)
             spot = place.at(x, y if side else -y, turn=turn)
-            area = Rectangle.about(spot[:2], turned_size(seat, spot.turn))
+            area = Box.standing(_turned_size(seat, spot.turn), spot[:3])
             # a seat may stand where its table keeps the floor clear
-            if self.take(area, seat[2], area, self.shell.keep):
+            if self._take(area, area, self.shell.keep):
                 self._stand(name, seat, spot)
 
     def _decorate(self, tops: list[Top], counts: Values, place: Place) -> None:
@@ -102,19 +117,124 @@ class Furnishing(Vacancy):
             for _ in range(self._times(mean)):
                 self._stand_upon(name, place, *self.kit.pick(surfaces))
 
-    def _stand_upon(self, name: str, place: Place, top: Top, used: Rectangles) -> None:
+    def _stand_upon(self, name: str, place: Place, top: Top, used: Boxes) -> None:
         """Make a thing and stand it on a top beside what stands there, if it fits."""
         for _ in range(4):
             size = self._size(name)
-            if (size > [*top.area.size, top.room - 0.02]).any():
+            if (size > [*top.area.size[:2], top.room - 0.02]).any():
                 continue
-            half = size[:2] / 2
-            middle = self.kit.rng.uniform(top.area.start + half, top.area.end - half)
-            area = Rectangle.about(middle, size[:2])
+            low = top.area.low + size / 2
+            high = top.area.high - size / 2
+            foot = np.append(self.kit.rng.uniform(low[:2], high[:2]), top.area.z1)
+            area = Box.standing(size, foot)
             if not area.meets(used):
                 used.append(area)
-                self._stand(name, size, place.at(*middle, z=top.z))
+                self._stand(name, size, place.at(*foot))
                 return
+
+    def _find(self, kind: Kind, size: Extents) -> Place | None:
+        """Draw a free place for a thing and take what floor and wall it needs, or give None."""
+        foot = self.kit.between(*kind["over"]) if kind["at"] == "hung" else 0.0
+        for _ in range(TRIES):
+            match kind["at"]:
+                case "free" | "flat":
+                    place = self._on_floor(kind, size)
+                case "ceiling":
+                    place = self._under_ceiling(size)
+                case _:
+                    place = self._at_wall(kind, size, foot)
+            if place is not None:
+                return place
+        return None
+
+    def _take(self, space: Box, around: Box, clear: Boxes) -> bool:
+        """Take the space of a thing on the floor if it is free; tell whether it is.
+
+        Parameters
+        ----------
+        space : Box
+        around : Box
+            The space and what before it or about it must be free of other things.
+        clear : list of Box
+            Space that must not be stood in.
+        """
+        free = (
+            any(piece.contains(space) for piece in self.shell.floor)
+            and space.z1 <= self.shell.headroom(space)
+            and not space.meets(clear)
+            and not around.meets(self.taken)
+        )
+        if free:
+            self.taken.append(space)
+        return free
+
+    def _at_wall(self, kind: Kind, size: Extents, foot: float) -> Place | None:
+        """Try a place before a wall, in a corner, or on a wall with its foot at a height."""
+        width, depth, height = size
+        lengths = [wall.length for wall in self.shell.walls]
+        wall = weighted_choice(self.kit.rng, self.shell.walls, lengths)
+        last = wall.length - width - 0.04
+        if wall.length < width + 0.1 or foot + height > self.shell.height - 0.02:
+            return None
+        x = self.kit.between(0.04, last)
+        if kind["at"] == "corner":
+            x = 0.04 if self.kit.chance(0.5) else last
+        gap = 0.002 if kind["at"] == "hung" else 0.03
+        spot = Box(x, x + width, -depth - gap, -gap, foot, foot + height)
+        space = wall.in_room(spot)
+        if spot.meets(wall.taken) or space.z1 > self.shell.headroom(space):
+            return None
+        if foot < 0.5:  # what hangs higher leaves the floor free
+            before = spot.inset(y0=-kind.get("clear", 0.0))
+            if not self._take(space, wall.in_room(before), self.clear):
+                return None
+            self.clear.append(wall.in_room(before.cut(y1=spot.y0)))
+        wall.take(spot, 0.03)
+        return wall.place.at(x + width / 2, -depth / 2 - gap, foot)
+
+    def _on_floor(self, kind: Kind, size: Extents) -> Place | None:
+        """Try a place on the floor, mostly about the middle of a room."""
+        flat = kind["at"] == "flat"
+        margin = kind.get("clear", 0.15)
+        floor = self.kit.pick(self.shell.floor)
+        turn = self.kit.rng.integers(4) * np.pi / 2
+        if not flat and self.kit.chance(0.3):
+            turn += self.kit.between(-0.3, 0.3)
+        covered = _turned_size(size, turn)
+        spare = (floor.size - covered)[:2] - 2 * margin
+        if (spare < 0).any():
+            return None
+        corner = floor.low + margin + covered / 2
+        middle = corner[:2] + self.kit.rng.beta(2, 2, 2) * spare
+        space = Box.standing(covered, (*middle, 0.0))
+        if flat:
+            free = not space.meets(self.shell.keep)
+        else:
+            around = space.inset(x=-margin, y=-margin)
+            free = self._take(space, around, self.clear)
+        return Place(*middle, turn=turn) if free else None
+
+    def _under_ceiling(self, size: Extents) -> Place | None:
+        """Try a place under the ceiling, away from other lamps and tall things."""
+        margin = size[0]
+        floor = self.kit.pick(self.shell.floor)
+        spare = floor.size[:2] - 2 * margin
+        x, y = floor.low[:2] + margin + self.kit.rng.beta(2, 2, 2) * spare
+        place = Place(x, y, self.shell.height - self.shell.lowest - size[2])
+        for light in self.lights:
+            along, across, above = np.subtract(light.centre, place[:3])
+            if abs(above) < 1.0 and np.hypot(along, across) <= 1.2:
+                return None
+        space = Box.standing(size, place[:3])
+        tall = [thing for thing in self.taken if thing.z1 > 1.8]
+        if space.cut(z0=0.0).meets(tall) or space.z1 > self.shell.headroom(space):
+            return None
+        return place
+
+
+def _turned_size(size: Extents, turn: float) -> Array:
+    """Size along x, y and z, m, of a box that is turned by ``turn``, rad, about z."""
+    return np.abs(turn_about_z(turn)) @ size
 
 
 def _kind(name: str) -> Kind:

@@ -9,7 +9,7 @@ from typing import Any
 import numpy as np
 from trimesh import Trimesh
 
-from cmtof_rooms.boxes import Box, Rectangle
+from cmtof_rooms.boxes import Box
 from cmtof_rooms.kit import Kit, Piece, Top
 from cmtof_rooms.materials import Material
 from cmtof_rooms.solids import (
@@ -23,8 +23,7 @@ from cmtof_rooms.solids import (
 
 def posts(space: Box, thickness: float) -> Box:
     """Four upright bars of a thickness, m, in the corners of a space."""
-    sides = space.ends("x", thickness)
-    return sides.cut(x0=sides.x0[:, None], x1=sides.x1[:, None]).ends("y", thickness)
+    return space.ends("x", thickness).ends("y", thickness)
 
 
 def padding(space: Box, **shape: Any) -> Trimesh:
@@ -60,7 +59,7 @@ def table(
         yield wood, below.inset(x=0.04, y=0.025 * depth).ends("x", 0.04)
     else:
         yield from _four_legs(kit, wood, below)
-    yield Top(Rectangle(*np.multiply(reach, space.floor)), height, 1.2)
+    yield Top(Box.standing(space.size * [reach, reach, 1]), 1.2)
 
 
 def _four_legs(kit: Kit, wood: Material, space: Box) -> Piece:
@@ -114,9 +113,8 @@ def sofa(kit: Kit, space: Box, *, arms: bool = True) -> Piece:
 
 def _cushions(space: Box, squareness: float) -> list[Trimesh]:
     """A row of cushions that fill a space."""
-    x = np.linspace(space.x0, space.x1, max(1, round(space.size[0] / 0.75)) + 1)
-    row = space.cut(x0=x[:-1], x1=x[1:]).singles()
-    return [padding(one, squareness=squareness) for one in row]
+    row = space.split("x", max(1, round(space.size[0] / 0.75)))
+    return [padding(one, squareness=squareness) for one in row.singles()]
 
 
 def bed(kit: Kit, space: Box) -> Piece:
@@ -165,19 +163,21 @@ def cabinet(
         body.inset(y0=0.02),
         inset.inset(y0=0.06).cut(z1=plinth),
     )
-    x = np.linspace(body.x0, body.x1, kit.count(columns) + 1)[:, None]
-    z = np.linspace(body.z0, body.z1 - 0.02, kit.count(rows) + 1)
-    fronts = body.cut(x0=x[:-1], x1=x[1:], y1=body.y0 + 0.02, z0=z[:-1], z1=z[1:])
+    face = body.inset(z1=0.02).cut(y1=body.y0 + 0.02)
+    fronts = face.split("x", kit.count(columns)).split("z", kit.count(rows))
     yield wood, fronts.inset(x=0.006, z=0.006)
     if kit.chance(0.6):
-        z = 0.2 * z[:-1] + 0.8 * z[1:]
-        handles = fronts.cut(y0=body.y0 - 0.025, y1=body.y0, z0=z, z1=z + 0.012)
-        yield "metal", handles.bars("x", (x[:-1] + x[1:]) / 2, 0.05)
+        x = (fronts.x0 + fronts.x1) / 2
+        z = 0.2 * fronts.z0 + 0.8 * fronts.z1
+        yield (
+            "metal",
+            Box(x - 0.05, x + 0.05, body.y0 - 0.025, body.y0, z, z + 0.012),
+        )
     height = space.z1
     if top:
         height += 0.03
         yield top, space.inset(y0=-0.015).cut(z0=space.z1, z1=height)
-    yield Top(inset.inset(y0=0.04, y1=0.03).floor, height)
+    yield Top(inset.inset(y0=0.04, y1=0.03).cut(z1=height))
 
 
 def shelf(kit: Kit, space: Box, *, fill: float, bay: float = 0.9) -> Piece:
@@ -190,16 +190,20 @@ def shelf(kit: Kit, space: Box, *, fill: float, bay: float = 0.9) -> Piece:
     x = np.linspace(space.x0, space.x1, columns + 1)
     z = np.linspace(0.05, height - thickness, rows + 1)
     left = np.minimum(x, space.x1 - thickness)
-    boards = space.inset(y0=0.005).cut(z0=z, z1=z + thickness)
-    yield wood, space.cut(x0=left, x1=left + thickness), boards
+    yield (
+        wood,
+        space.cut(x0=left, x1=left + thickness),
+        space.inset(y0=0.005).cut(z0=z, z1=z + thickness),
+    )
     yield wood, space.cut(y0=space.y1 - 0.01, z0=0.05)
-    bays = space.inset(y0=0.02).cut(x0=x[:-1, None] + thickness, x1=x[1:, None])
-    for one in bays.cut(z0=z[:-1] + thickness, z1=z[1:]).singles():
+    inside = space.inset(y0=0.02, z1=thickness).cut(z0=0.05)
+    bays = inside.split("x", columns).split("z", rows)
+    for one in bays.inset(x0=thickness, z0=thickness).singles():
         if kit.chance(fill):
             yield from _books(kit, one.inset(y1=0.02))
         else:
-            yield Top(one.inset(y1=0.03).floor, one.z0, one.size[2])
-    yield Top(space.floor, height, 0.5)
+            yield Top(one.inset(y1=0.03).cut(z1=one.z0), one.size[2])
+    yield Top(space, 0.5)
 
 
 def _books(kit: Kit, space: Box) -> Piece:

@@ -122,7 +122,8 @@ class Interior:
         # neighbours ask for different places on the lights
         direct = self.direct(seen.position, seen.normal, _tiles(seen.part.shape))
         light = _smooth(direct, seen.part, seen.normal) + self._bounced_light(seen)
-        color = albedo * (light + self.palette.emission[seen.part][..., None])
+        emission = self.palette.looks["emission"][seen.part]
+        color = albedo * (light + emission[..., None])
         missed = seen.part < 0
         color[missed] = self.sky
         seen.normal[missed] = 0.0
@@ -209,17 +210,15 @@ class Interior:
             Whether the back of a surface is met, which is dark.
         """
         hits = self.tracer.nearest(origins, directions)
-        met = np.flatnonzero(hits.triangle >= 0)
-        triangle = hits.triangle[met]
-        normal = self.normals[triangle].astype(np.float32)
-        back = np.einsum("ij,ij->i", normal, directions[met]) > 0
-        point = origins[met] + directions[met] * hits.distance[met, None]
-        light = self.palette.mean[self.part[triangle]] * self.direct(point, normal)
+        met = hits.triangle >= 0
+        normal = self.normals[hits.triangle].astype(np.float32)
+        front = np.einsum("ij,ij->i", normal, directions) <= 0
+        lit = met & front
+        point = origins[lit] + directions[lit] * hits.distance[lit, None]
+        reflectance = self.palette.mean[self.part[hits.triangle[lit]]]
         radiance = np.zeros(origins.shape, np.float32)
-        radiance[met] = np.where(back[:, None], 0, light)
-        behind = np.zeros(len(origins), bool)
-        behind[met] = back
-        return radiance, behind
+        radiance[lit] = reflectance * self.direct(point, normal[lit])
+        return radiance, met & ~front
 
     def _bounced_light(self, seen: Surface) -> Array:
         """Irradiance by one bounce; it varies slowly: 2 x 2 pixels of a surface share it."""

@@ -13,7 +13,7 @@ from numpy.random import Generator
 from numpy.typing import ArrayLike
 
 from cmtof.types import Fields, Pair
-from cmtof_rooms.boxes import Rectangle
+from cmtof_rooms.boxes import Box
 from cmtof_rooms.materials import Material
 from cmtof_rooms.presets import presets
 from cmtof_rooms.solids import join
@@ -21,10 +21,9 @@ from cmtof_rooms.things import Light, Part, Solid, meshes_of
 
 
 class Top(NamedTuple):
-    """A level rectangle on which things can stand."""
+    """Where things can stand: the upper side of a box."""
 
-    area: Rectangle
-    z: float  # height, m
+    area: Box
     room: float = 1.0  # free height above it, m
 
 

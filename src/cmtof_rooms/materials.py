@@ -112,6 +112,16 @@ PATTERNS: dict[str, Callable[[Array, Array], Array]] = {
 }
 
 
+# The fields of a `Material` as types of arrays.
+_LOOK = [
+    ("colour", "3f4"),
+    ("second", "3f4"),
+    ("pattern", "U16"),
+    ("scale", "f4"),
+    ("emission", "f4"),
+]
+
+
 class Palette:
     """Materials of many parts as arrays, looked up by number.
 
@@ -121,21 +131,17 @@ class Palette:
 
     Attributes
     ----------
+    looks : structured ndarray, shape (M,)
+        Materials with the fields that `Material` has, in single precision.
     mean : ndarray of float32, shape (M, 3)
         Reflectance averaged over the pattern.
-    emission : ndarray of float32, shape (M,)
-        As `Material` has it.
     """
 
     def __init__(self, materials: Sequence[Material]) -> None:
-        colour, second, pattern, scale, emission = zip(*materials, strict=True)
-        self._pattern = np.array(pattern)
-        self._colour = np.array(colour, np.float32)
-        self._second = np.array(second, np.float32)
-        self._scale = np.array(scale, np.float32)
-        self.emission = np.array(emission, np.float32)
-        share = np.float32(MEAN_SHARE) * (self._pattern != "plain")[:, None]
-        self.mean = self._colour + share * (self._second - self._colour)
+        self.looks = np.array(materials, _LOOK)
+        first = self.looks["colour"]
+        share = np.float32(MEAN_SHARE) * (self.looks["pattern"] != "plain")[:, None]
+        self.mean = first + share * (self.looks["second"] - first)
 
     def albedo(
         self,
@@ -154,17 +160,16 @@ class Palette:
         footprint : ndarray, shape (...)
             Size of a pixel on the surface, m; finer patterns fade to their mean.
         """
-        found = self._colour[number]
-        patterns = self._pattern[number]
-        for name in PATTERNS:
-            some = patterns == name
-            kind = number[some]
-            scale = self._scale[kind]
+        looks = self.looks[number]
+        found = looks["colour"]
+        for name, pattern in PATTERNS.items():
+            some = looks["pattern"] == name
+            scale = looks["scale"][some]
             s, t = _coordinates(position[some] / scale[:, None], normal[some])
-            share = PATTERNS[name](s, t)
+            share = pattern(s, t)
             fade = np.clip(2.5 * footprint[some] / scale - 0.5, 0, 1)
             share = (share + fade * (MEAN_SHARE - share)).astype(np.float32)[:, None]
-            found[some] += share * (self._second[kind] - found[some])
+            found[some] += share * (looks["second"][some] - found[some])
         return found
 
 

@@ -3,7 +3,7 @@
 import numpy as np
 from trimesh import Trimesh
 
-from cmtof_rooms.boxes import Box, Rectangle, Rectangles, Vector
+from cmtof_rooms.boxes import Box, Boxes, Vector
 from cmtof_rooms.kit import Kit
 from cmtof_rooms.materials import Colour, Material
 from cmtof_rooms.presets import presets
@@ -19,11 +19,10 @@ def add_door(kit: Kit, shell: Shell, wall: Wall) -> None:
     hole = _doorway(kit, shell, wall, kit.draw("door"), side=0.08, above=0.1)
     if hole is None:
         return
-    x, end, _, height = hole
     front = kit.material("front")
-    leaf = Box(x, end, 0.06, 0.1, 0.0, height)
-    handle = Box(x + 0.06, x + 0.18, 0.02, 0.04, 1.02, 1.04)
-    frame = leaf.cut(y0=-0.02, y1=0.0, z1=height + 0.07)
+    leaf = hole.cut(y0=0.06, y1=0.1)
+    handle = Box(hole.x0 + 0.06, hole.x0 + 0.18, 0.02, 0.04, 1.02, 1.04)
+    frame = hole.inset(z1=-0.07).cut(y0=-0.02, y1=0.0)
     shell.build(
         "door",
         wall.place,
@@ -32,7 +31,7 @@ def add_door(kit: Kit, shell: Shell, wall: Wall) -> None:
         (
             front,
             frame.inset(x=-0.07).ends("x", 0.07),
-            frame.cut(z0=height),
+            frame.cut(z0=hole.z1),
         ),
     )
 
@@ -57,8 +56,8 @@ def add_passage(kit: Kit, shell: Shell, wall: Wall) -> None:
 
 
 def _doorway(
-    kit: Kit, shell: Shell, wall: Wall, size: Vector, **around: float
-) -> Rectangle | None:
+    kit: Kit, shell: Shell, wall: Wall, size: Vector, **margins: float
+) -> Box | None:
     """Cut a hole of a size, m, into a free piece of a wall, and return it; None after some tries.
 
     The floor before it stays free.
@@ -66,10 +65,10 @@ def _doorway(
     width, height = size
     for _ in range(12 if wall.length >= width + 0.3 else 0):
         x = kit.between(0.15, wall.length - width - 0.15)
-        hole = Rectangle(x, x + width, 0.0, height)
-        if wall.free(hole.grow(0.1, 0.1, 0.0, 9.0)):
-            wall.cut(hole, **around)
-            shell.keep.append(wall.footprint(hole, -0.9, 0.0))
+        hole = Box(x, x + width, 0.0, THICKNESS, 0.0, height)
+        if not hole.inset(x=-0.1, z1=-9.0).meets(wall.taken):
+            wall.cut(hole, **margins)
+            shell.keep.append(wall.in_room(hole.cut(y0=-0.9, y1=0.0)))
             return hole
     return None
 
@@ -96,8 +95,8 @@ def add_windows(kit: Kit, shell: Shell, wall: Wall, *, view: bool) -> None:
     width = min(width, 0.75 * each)
     head *= shell.height
     starts = each * (np.arange(count) + 0.5) - width / 2
-    holes = [Rectangle(x, x + width, sill, head) for x in starts.tolist()]
-    holes = [hole for hole in holes if wall.free(hole.grow(0.1, 0.1, 0, 0))]
+    row = Box(starts, starts + width, 0.0, THICKNESS, sill, head)
+    holes = [one for one in row.singles() if not one.inset(x=-0.1).meets(wall.taken)]
     if holes:
         _glaze(kit, shell, wall, holes, view=view)
         power = len(holes) * width * (head - sill) * shell.sky / np.pi
@@ -110,7 +109,7 @@ def _glaze(
     kit: Kit,
     shell: Shell,
     wall: Wall,
-    holes: Rectangles,
+    holes: Boxes,
     *,
     view: bool,
 ) -> None:
@@ -121,9 +120,9 @@ def _glaze(
     pieces = []
     for hole in holes:
         wall.cut(hole)
-        whole = Box(hole.x0, hole.x1, 0.06, 0.11, hole.y0, hole.y1)
+        whole = hole.cut(y0=0.06, y1=0.11)
         x = np.linspace(hole.x0, hole.x1, upright)[1:-1]
-        z = np.linspace(hole.y0, hole.y1, level)[1:-1]
+        z = np.linspace(hole.z0, hole.z1, level)[1:-1]
         pieces.append(
             (
                 trim,
@@ -138,11 +137,11 @@ def _glaze(
     shell.build("window", wall.place, *pieces)
 
 
-def _daylight(wall: Wall, holes: Rectangles, power: float) -> Light:
+def _daylight(wall: Wall, holes: Boxes, power: float) -> Light:
     """One light for a row of windows."""
-    row = holes[0]._replace(x1=holes[-1].x1)
-    x, z = (row.start + row.end) / 2
-    half_x, half_z = row.size / 2
+    row = holes[0].cut(x1=holes[-1].x1)
+    x, _, z = row.middle
+    half_x, _, half_z = row.size / 2
     along, outwards, up = turn_about_z(wall.place.turn)
     return Light(
         wall.place.carry((x, -0.01, z)),

@@ -6,7 +6,7 @@ from functools import partial
 import numpy as np
 from numpy.random import Generator
 
-from cmtof_rooms.boxes import Rectangle, Rectangles
+from cmtof_rooms.boxes import Box, Boxes
 from cmtof_rooms.building import build_shell
 from cmtof_rooms.cameras import (
     Cameras,
@@ -66,9 +66,8 @@ class FurnishedRoom:
     seed, index : int
         Of the set, and the room's place in it.
     interior : Interior
-    floor : list of Rectangle
-    height : float
-        Of the ceiling, m.
+    floor : list of Box
+        Pieces of its space, as high as the ceiling.
     furniture : list of Thing
         What does not belong to the house itself; of an empty room, everything.
     """
@@ -76,8 +75,7 @@ class FurnishedRoom:
     seed: int
     index: int
     interior: Interior
-    floor: Rectangles
-    height: float
+    floor: Boxes
     furniture: list[Thing]
 
     def cameras(self, views: int, lens: Lens) -> dict[str, Cameras]:
@@ -86,22 +84,20 @@ class FurnishedRoom:
         Together ``views``; the first ones stay the same when more are asked for.
         """
         close = close_views(self.index, views)
-        across = partial(camera_across, self.floor, self.height)
-        near = partial(camera_close, middles_of(self.furniture))
-        wanted = {
-            "cam_00": (views - close, ACROSS, range_across, across),
-            "cam_01": (close, CLOSE, range_close, near),
-        }
+        choose = partial(choose_cameras, self.interior, lens)
         return {
-            name: choose_cameras(
-                count,
-                self.interior,
-                lens,
-                stream(self.seed, self.index, use),
-                middle,
-                draw,
-            )
-            for name, (count, use, middle, draw) in wanted.items()
+            "cam_00": choose(
+                views - close,
+                stream(self.seed, self.index, ACROSS),
+                range_across,
+                partial(camera_across, self.floor),
+            ),
+            "cam_01": choose(
+                close,
+                stream(self.seed, self.index, CLOSE),
+                range_close,
+                partial(camera_close, middles_of(self.furniture)),
+            ),
         }
 
 
@@ -128,14 +124,13 @@ def build_room(seed: int, index: int) -> FurnishedRoom:
         index,
         interior,
         shell.floor,
-        shell.height,
         inside.things or shell.things,
     )
 
 
 def _things_beyond(wall: Wall, kit: Kit) -> list[Thing]:
     """Furniture at the far wall of a room beyond a passage."""
-    everywhere = Rectangle(-99.0, 99.0, -99.0, 99.0)
+    everywhere = Box(-99.0, 99.0, -99.0, 99.0, 0.0, 99.0)
     far = Furnishing(Shell(0.0, 0.0, 2.0, [wall], [everywhere]), kit)
     far.fill(presets()["beyond"])
     return far.things

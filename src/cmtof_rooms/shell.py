@@ -9,7 +9,7 @@ from dataclasses import dataclass, field
 import numpy as np
 from trimesh import Trimesh
 
-from cmtof_rooms.boxes import Box, Rectangle, Rectangles, Triple
+from cmtof_rooms.boxes import Box, Boxes, Triple
 from cmtof_rooms.solids import move, plate
 from cmtof_rooms.things import Light, Place, Thing
 
@@ -22,28 +22,30 @@ class Wall:
 
     place: Place  # its left end, seen from inside
     length: float  # m
-    # What is in it or stands before it, along the wall and in height.
-    taken: Rectangles = field(default_factory=list)
-    holes: Rectangles = field(default_factory=list)  # what is cut out of it
+    taken: Boxes = field(default_factory=list)  # where nothing else is placed
+    holes: Boxes = field(default_factory=list)  # what is cut out of it
 
-    def footprint(self, piece: Rectangle, y0: float, y1: float) -> Rectangle:
-        """Floor along a piece of the wall, from y0 to y1 outwards, m; walls along x or y only."""
-        corners = self.place.carry([(piece.x0, y0, 0.0), (piece.x1, y1, 0.0)])
-        x, y, _ = np.sort(corners, axis=0).T.tolist()
-        return Rectangle(*x, *y)
+    def in_room(self, box: Box) -> Box:
+        """A box of the wall's own frame in that of the room; walls along x or y only."""
+        corners = np.sort(self.place.carry([box.low, box.high]), axis=0)
+        return Box(*corners.T.ravel().tolist())
 
-    def free(self, piece: Rectangle) -> bool:
-        """Whether nothing is in or before a piece of the wall."""
-        return not piece.meets(self.taken, gap=0.0)
+    def take(self, box: Box, side: float = 0.05, above: float = 0.05) -> None:
+        """Let nothing be in or before the wall at a box and in margins, m, beside and above it."""
+        around = box.inset(x=-side, z0=-0.03, z1=-above)
+        self.taken.append(around.cut(y0=-99.0, y1=99.0))
 
-    def cut(self, hole: Rectangle, side: float = 0.05, above: float = 0.05) -> None:
-        """Cut a hole, and let nothing else be placed in margins, m, at its sides and above it."""
+    def cut(self, hole: Box, **margins: float) -> None:
+        """Cut a hole, and let nothing be placed in it or in margins about it, see `take`."""
         self.holes.append(hole)
-        self.taken.append(hole.grow(side, side, 0.03, above))
+        self.take(hole, **margins)
 
     def solid(self, height: float) -> Trimesh:
         """The wall itself, to a height, m, a little longer than the room at both ends."""
-        holes = [hole.grow(-THICKNESS, THICKNESS, 0, 0) for hole in self.holes]
+        holes = [
+            (hole.x0 + THICKNESS, hole.x1 + THICKNESS, hole.z0, hole.z1)
+            for hole in self.holes
+        ]
         whole = plate(self.length + 2 * THICKNESS, height, THICKNESS, holes)
         return move(whole, (-THICKNESS, 0, 0))
 
@@ -57,8 +59,8 @@ class Shell:
     width, depth, height : float
     walls : list of Wall
         Four outer ones and, of an L, the two faces of the block in its corner.
-    floor : list of Rectangle
-        Together the floor of the room.
+    floor : list of Box
+        Together the space of the room.
     open : bool
         Without a ceiling.
     day : bool
@@ -66,8 +68,8 @@ class Shell:
         The house itself.
     lights : list of Light
         Windows, sky, and lamps of a room beyond.
-    keep : list of Rectangle
-        Floor before doors, which stays free.
+    keep : list of Box
+        Space before doors, which stays free.
     beyond : list of Wall
         Far wall of a room beyond a passage.
     eaves : list of tuple
@@ -80,12 +82,12 @@ class Shell:
     depth: float
     height: float
     walls: list[Wall]
-    floor: Rectangles
+    floor: Boxes
     open: bool = False
     day: bool = True
     things: list[Thing] = field(default_factory=list)
     lights: list[Light] = field(default_factory=list)
-    keep: Rectangles = field(default_factory=list)
+    keep: Boxes = field(default_factory=list)
     beyond: list[Wall] = field(default_factory=list)
     eaves: list[Triple] = field(default_factory=list)
     lowest: float = 0.0
@@ -95,12 +97,12 @@ class Shell:
         parts = [part for piece in pieces for part in place.parts(*piece)]
         self.things.append(Thing(kind, parts))
 
-    def headroom(self, area: Rectangle) -> float:
-        """Free height above a rectangle of the floor, m."""
+    def headroom(self, area: Box) -> float:
+        """Height that is free where a box stands, m."""
         lost = [
             fall * way * (y - start)
             for way, start, fall in self.eaves
-            for y in area[2:]
+            for y in area[2:4]
         ]
         return self.height - self.lowest - max([0.0, *lost])
 

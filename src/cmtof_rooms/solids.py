@@ -43,7 +43,8 @@ def slab(*limits: float) -> Trimesh:
     [[0.0, 0.0, 1.0], [1.0, 2.0, 4.0]]
     """
     low, high = np.reshape(limits, (3, 2)).T
-    return mesh_from(_CORNERS * (high - low) + (low + high) / 2, _BOX_FACES)
+    middle = (low + high) / 2
+    return mesh_from(middle + _CORNERS * (high - low), _BOX_FACES)
 
 
 def extrusion(outline: ArrayLike, height: float) -> Trimesh:
@@ -93,7 +94,8 @@ def plate(
     cut = np.array(holes, float).reshape(-1, 4)
     x = _lines(width, cut[:, :2])
     z = _lines(height, cut[:, 2:])
-    cells = cells_of(np.arange(len(x) * len(z)).reshape(len(x), -1))
+    number = np.arange(len(x) * len(z)).reshape(len(x), -1)
+    cells = cells_of(number)
     whole = np.ones(cells.shape[:2], bool)
     for hole in cut:
         across = slice(*np.searchsorted(x, hole[:2]))
@@ -207,7 +209,7 @@ def ball(
     >>> ball(1.0, fineness=4).is_watertight
     True
     """
-    unit = trimesh.creation.icosphere(subdivisions=fineness)
+    unit = trimesh.creation.icosphere(fineness)
     points = np.array(unit.vertices)
     if squareness:
         power = 2 / (1 - squareness)
@@ -235,13 +237,8 @@ def sheet(grid: ArrayLike, thickness: float) -> Trimesh:
     number = np.arange(points[..., 0].size).reshape(points.shape[:2])
     behind = number.size
     front = triangles_of(cells_of(number).reshape(-1, 4))
-    edges = [
-        number[:-1, 0],
-        number[-1, :-1],
-        number[:0:-1, -1],
-        number[0, :0:-1],
-    ]
-    rim = np.concatenate(edges)
+    # the four sides in turn, each without its last point
+    rim = np.concatenate([np.rot90(number, -side)[:-1, 0] for side in range(4)])
     following = np.roll(rim, -1)
     faces = [
         front,
@@ -260,7 +257,8 @@ def join(meshes: Iterable[Trimesh]) -> Trimesh:
 
 def move(mesh: Trimesh, shift: ArrayLike, turn: float = 0.0) -> Trimesh:
     """Copy turned by ``turn``, rad, about z, then shifted, m."""
-    return mesh_from(np.add(mesh.vertices @ turn_about_z(turn), shift), mesh.faces)
+    turned = mesh.vertices @ turn_about_z(turn)
+    return mesh_from(np.add(turned, shift), mesh.faces)
 
 
 def turn_about_z(turn: float) -> Array:

@@ -50,24 +50,23 @@ class Place(NamedTuple):
 
     x: float
     y: float
-    turn: float = 0.0
     z: float = 0.0
+    turn: float = 0.0
 
     def carry(self, points: ArrayLike) -> Array:
         """Points (..., 3), m, given in this frame, in the room's coordinates."""
         turned = np.asarray(points, float) @ turn_about_z(self.turn)
-        return np.add(turned, (self.x, self.y, self.z))
+        return np.add(turned, self[:3])
 
     def at(self, x: float, y: float, z: float = 0.0, turn: float = 0.0) -> "Place":
         """Frame at a point of this one, m, turned by ``turn``, rad, relative to it."""
-        x, y, z = self.carry((x, y, z))
-        return Place(x, y, self.turn + turn, z)
+        return Place(*self.carry((x, y, z)), turn=self.turn + turn)
 
     def parts(self, material: Material, *solids: Solid) -> list[Part]:
         """Solids given in this frame, as parts of one material in the room's coordinates."""
-        origin = (self.x, self.y, self.z)
         return [
-            Part(material, move(mesh, origin, self.turn)) for mesh in meshes_of(solids)
+            Part(material, move(mesh, self[:3], self.turn))
+            for mesh in meshes_of(solids)
         ]
 
 

@@ -1,9 +1,9 @@
-"""Rectangles and boxes by their limits."""
+"""Boxes by their limits."""
 
 import numpy as np
 from pytest import approx, mark
 
-from cmtof_rooms.boxes import Box, Rectangle
+from cmtof_rooms.boxes import Box
 from cmtof_rooms.solids import join
 from cmtof_rooms.things import meshes_of
 
@@ -13,15 +13,15 @@ CUBE = Box(0.0, 1.0, 0.0, 1.0, 0.0, 1.0)
 @mark.parametrize(
     ("other", "meets"),
     [
-        (Rectangle(0.2, 0.8, 0.2, 0.8), True),
-        (Rectangle(0.9, 2.0, 0.9, 2.0), True),
-        (Rectangle(1.0, 2.0, 0.0, 1.0), False),
-        (Rectangle(0.0, 1.0, 1.5, 2.0), False),
+        (Box(0.2, 0.8, 0.2, 0.8, 0.0, 1.0), True),
+        (Box(0.9, 2.0, 0.9, 2.0, 0.0, 1.0), True),
+        (Box(1.0, 2.0, 0.0, 1.0, 0.0, 1.0), False),
+        (Box(0.0, 1.0, 1.5, 2.0, 0.0, 1.0), False),
     ],
 )
-def test_rectangles_meet_only_where_they_share_more_than_an_edge(other, meets):
-    assert CUBE.floor.meets([other]) == meets
-    assert other.meets([CUBE.floor]) == meets
+def test_boxes_meet_only_where_they_share_more_than_a_side(other, meets):
+    assert CUBE.meets([other]) == meets
+    assert other.meets([CUBE]) == meets
 
 
 @mark.parametrize("side", ["x0", "x1", "y0", "y1", "z0", "z1"])

@@ -8,7 +8,7 @@ from pytest import approx, fixture, mark
 from vectors import unit
 
 from cmtof.correlation import TAU
-from cmtof_rooms.boxes import Box, Rectangle
+from cmtof_rooms.boxes import Box
 from cmtof_rooms.building import build_shell
 from cmtof_rooms.kit import Top, household
 from cmtof_rooms.makers import MAKERS
@@ -60,7 +60,7 @@ def test_a_kind_is_closed_and_stays_within_its_size(name, rng):
     assert (low[:2] >= (-size / 2 - beyond)[:2] - 1e-3).all()
     assert (high <= size * [0.5, 0.5, 1] + beyond).all()
     assert abs(low[2]) < 2e-3
-    assert all(top.z <= high[2] + 2e-3 for top in tops)
+    assert all(top.area.z1 <= high[2] + 2e-3 for top in tops)
 
 
 @fixture(scope="module", params=range(24))
@@ -84,17 +84,17 @@ def test_furniture_shares_no_space(room):
 
 
 def test_furniture_stays_between_floor_ceiling_and_walls(room):
-    corner = np.max([(floor.x1, floor.y1) for floor in room.floor], axis=0)
+    corner = np.max([piece.high for piece in room.floor], axis=0)
     for name, low, high in standing(room):
         on_floor = KINDS[name]["at"] in ("wall", "corner", "free", "around")
         assert -2e-3 < low[2] < (2e-3 if on_floor else 99), name
         # a banister reaches into the storey above
-        assert high[2] < room.height + 1.0, name
-        middle = (low + high)[:2] / 2
+        assert high[2] < corner[2] + 1.0, name
+        middle = (low + high) / 2
         outside = np.maximum(-middle, middle - corner)
         if (outside < THICKNESS).all():
-            assert (low[:2] > -0.01).all(), name
-            assert (high[:2] < corner + 0.01).all(), name
+            assert (low > -0.01).all(), name
+            assert (high < corner + 0.01)[:2].all(), name
 
 
 def test_no_camera_stands_in_a_solid_or_close_to_a_surface(room):
@@ -128,7 +128,7 @@ def test_headroom_is_low_below_a_slope(attics):
     assert len(sloping) > 20
     for shell in sloping:
         start = shell.depth - 0.2 if shell.eaves[0][0] > 0 else 0.0
-        strip = Rectangle(1.0, 2.0, start, start + 0.2)
+        strip = Box(1.0, 2.0, start, start + 0.2, 0.0, 1.0)
         assert 0.8 < shell.headroom(strip) < 2.0
 
 
