@@ -26,8 +26,9 @@ def rng():
 def tilted_wall():
     """A wall from 0.80 to 1.15 m, bright, so that its depth is known in closed form."""
     x, y = np.meshgrid(np.linspace(0, 1, 64), np.linspace(0, 1, 48))
-    camera = [80.0, 80.0, 32.0, 24.0]
-    return Frame(0.8 + 0.25 * x + 0.1 * y, 0.2 + 0.8 * x, camera, "wall")
+    return Frame(
+        0.8 + 0.25 * x + 0.1 * y, 0.2 + 0.8 * x, [80.0, 80.0, 32.0, 24.0], "wall"
+    )
 
 
 @fixture(scope="session")

@@ -39,8 +39,7 @@ def test_decoding_undoes_encoding_for_any_distinct_psi(steps, phase, amplitude, 
     c = co.correlation_from_phase([phase], psi, amplitude=amplitude, offset=offset)
     decoded = co.decode(c, psi)
     # neighbouring steps 0.1 rad apart make the fit up to 1e3 times less certain
-    most = 1e-6 * (1 + abs(offset) / amplitude)
-    assert abs(co.centred(decoded.phase - phase)) < most
+    assert abs(co.centred(decoded.phase - phase)) < 1e-6 * (1 + abs(offset) / amplitude)
     assert decoded.amplitude == approx(amplitude, rel=1e-6, abs=1e-6 * abs(offset))
 
 

@@ -55,8 +55,9 @@ def named_results(stem):
 
 @mark.parametrize("stem", graph.notebooks())
 def test_the_stored_results_that_a_notebook_reads_are_listed(stem):
-    listed = DECLARED.get(stem, {}).get("results", [])
-    assert sorted(listed) == sorted(named_results(stem))
+    assert sorted(DECLARED.get(stem, {}).get("results", [])) == sorted(
+        named_results(stem)
+    )
 
 
 def test_the_notebooks_that_read_data_are_listed():

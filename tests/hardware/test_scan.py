@@ -84,8 +84,9 @@ def test_a_file_holds_raw_counts_power_and_settings(whole):
 
 
 def test_a_target_among_the_scene_calibrates_as_one_behind_the_flip_mirror(whole):
-    aside = (-6.0, 2.0)
-    take(rig=replace(RIG, flip_mirror="photodiode", reference_direction_deg=aside))
+    take(
+        rig=replace(RIG, flip_mirror="photodiode", reference_direction_deg=(-6.0, 2.0))
+    )
     found, wanted = (open_measurement(one).dataset for one in (OUTPUT, whole))
     for name in ("raw_counts", "psi"):
         assert_array_equal(found[name], wanted[name])

@@ -58,8 +58,9 @@ def test_two_inputs_come_in_turn(peer, daq):
     (counts,) = daq.bursts(LABEL)
     assert (peer.get(4102), peer.get(4104)) == (4, 6)  # where the inputs are read
     assert counts.shape == (640,)
-    apart = counts[::2].mean() - counts[1::2].mean()
-    assert abs(apart) > 100 > 10 * np.std(counts[::2])
+    assert (
+        abs(counts[::2].mean() - counts[1::2].mean()) > 100 > 10 * np.std(counts[::2])
+    )
     with refused("Expected rate of daq from 1 to 100000, got 120000"):
         daq.configure_burst(**BURST | {"channels": ["AIN2", "AIN3"], "rate": 40e3})
 

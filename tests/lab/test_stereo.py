@@ -166,5 +166,6 @@ def test_labels_of_a_simulated_scan_are_right_and_silent_where_hidden(rng):
     assert truth.mask.mean() > 0.6
     # k = 3: at most 0.3 % of labels may err
     assert (truth.wraps == POST.depth // WRAP)[truth.mask].mean() > 0.99
-    error = (truth.range - POST.depth) / truth.uncertainty
-    assert np.nanstd(error) == approx(1, abs=0.12)
+    assert np.nanstd((truth.range - POST.depth) / truth.uncertainty) == approx(
+        1, abs=0.12
+    )

@@ -23,8 +23,9 @@ from cmtof_lab.targets import MIRROR
 )
 def test_the_parts_add_up(offset, slope, noise, seed):
     about = POSITIONS - POSITIONS.mean()
-    rng = np.random.default_rng(seed)
-    found = parts(rng.normal(offset + slope * about, noise, (4, 21)))
+    found = parts(
+        np.random.default_rng(seed).normal(offset + slope * about, noise, (4, 21))
+    )
     total = found.offset**2 + found.slope**2 * about.var() + 19 / 21 * found.scatter**2
     assert_allclose(total, found.rmse**2, rtol=1e-9, atol=1e-20)
 

@@ -52,8 +52,9 @@ def test_regression_spans_the_range_in_single_precision():
 def test_fresh_stem_sees_the_beat(protocol, quarters, rng):
     """Means of the rectified filters follow |sin((b - beta)/2)|, whatever the phase."""
     first, classes = CLASSES[protocol]
-    stem = build_network("fast-scnn", protocol).stem
-    kernels = stem[0].weight.detach()[:16, :, 1:2, 1:2]
+    kernels = (
+        build_network("fast-scnn", protocol).stem[0].weight.detach()[:16, :, 1:2, 1:2]
+    )
     beat = BEAT * np.linspace(first, first + classes, 7)[:, None]
     low = rng.uniform(0, TAU, (7, 4000))
     phase = torch.from_numpy(np.stack([low, (2 * low + beat) % TAU])).float()
@@ -79,8 +80,7 @@ def test_path_to_the_pyramid_carries_the_beat_from_the_start():
     with torch.no_grad():
         network(inputs)
     # first pool, third channel: sum at one beta minus the other
-    difference = held[0].mean((-2, -1))[:, 128 + 2]
-    assert abs(np.corrcoef(difference, wraps)[0, 1]) > 0.95
+    assert abs(np.corrcoef(held[0].mean((-2, -1))[:, 128 + 2], wraps)[0, 1]) > 0.95
 
 
 @mark.parametrize("precision", [torch.float32, torch.bfloat16])

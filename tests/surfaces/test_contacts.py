@@ -97,8 +97,7 @@ def test_a_false_contact_gives_way_to_those_that_agree():
 def test_a_wall_behind_leaves_keeps_its_offset():
     """Sixteen leaves seem to touch it fourteen wraps off, where its own beat forbids it."""
     borders = between(*((0, leaf, 14, 0.9) for leaf in range(1, 17)))
-    alone = known([0.1, *[0.2] * 16], [0.1, *[1.0] * 16])
-    assert not place(alone, borders).wraps.any()
+    assert not place(known([0.1, *[0.2] * 16], [0.1, *[1.0] * 16]), borders).wraps.any()
 
 
 @mark.parametrize(
@@ -110,8 +109,10 @@ def test_a_wall_behind_leaves_keeps_its_offset():
     ],
 )
 def test_none_are_tied_that_disagree_or_against_the_odds(mean, spread, odds, second):
-    found = place(known(mean, spread), between((0, 1, 0, odds)))
-    assert found.wraps.tolist() == [0, second]
+    assert place(known(mean, spread), between((0, 1, 0, odds))).wraps.tolist() == [
+        0,
+        second,
+    ]
 
 
 def test_no_surface_has_no_offset():

@@ -99,8 +99,7 @@ class Bench(EmergencyStop):
     def fly_back(self, directions: Array) -> None:
         """Aim at the first of a line's directions (N, 2), rad, and wait for the mirrors."""
         self.daq.write_many(self.mirror_outputs(directions)[0])
-        step = abs(directions[0] - self._aim).max()
-        self.wait(mirror_settling(self.rig, step))
+        self.wait(mirror_settling(self.rig, abs(directions[0] - self._aim).max()))
         self._aim = directions[-1]
 
     def set_up(self) -> None:

@@ -169,7 +169,8 @@ def question(ask: Callable[..., Any]) -> Callable[..., Any]:
 def insist(*acts: Callable[[], object], tries: int = 2) -> None:
     """Run actions that only increase safety, each up to ``tries`` times; raise what failed.
 
-    After an act that stays without an answer the rest is left out: each would wait as long.
+    After an act that stays without an answer the rest is left out: each would wait as long. With
+    one try the acts are those of several devices, and none is left out.
     """
     failures: list[OSError] = []
     for act in acts:
@@ -181,7 +182,7 @@ def insist(*acts: Callable[[], object], tries: int = 2) -> None:
                 if not left:
                     failures.append(failure)
         else:
-            if isinstance(failures[-1], InstrumentTimeout):
+            if tries > 1 and isinstance(failures[-1], InstrumentTimeout):
                 break
     if failures:
         raise (

@@ -91,8 +91,9 @@ def plan_scan(rig: Rig, *, size: int | Shape = 64) -> Plan:
     """Plan of an image of ``size`` (height and width, px) whose rays are those of a pinhole."""
     height, width = np.broadcast_to(size, 2).tolist()
     middle = np.array([width, height]) / 2
-    focal = middle / np.tan(np.deg2rad(rig.field_of_view_deg) / 2)
-    camera = np.array([*focal, *middle])
+    camera = np.array(
+        [*middle / np.tan(np.deg2rad(rig.field_of_view_deg) / 2), *middle]
+    )
     rays = rays_from_camera((height, width), camera)
     angles = np.arctan2(rays[..., :2], rays[..., 2:])
     largest_volts = abs(mirror_volts(rig, angles)).max()

@@ -34,8 +34,7 @@ MEANS = {"reference": (0, 2), "rf": (0, 1, 2), "interferometer": (1, 2)}
 def correct_quadratures(reading: Complex, gain: float, error: float) -> Complex:
     """Phasor of a reading I + iQ, corrected for Q's ``gain`` and phase ``error``, rad."""
     i = reading.real
-    q = (reading.imag / gain - i * np.sin(error)) / np.cos(error)
-    return i + 1j * q
+    return i + 1j * ((reading.imag / gain - i * np.sin(error)) / np.cos(error))
 
 
 def take_reading(bench: Bench, way: str, gain: Gain, labels: Iterator[int]) -> Array:

@@ -170,8 +170,9 @@ class RfDriver(Device):
             self._connection.write(
                 line_with_checksum(" ".join([f">{self._sequence}", word, *arguments]))
             )
-        while (words := self._read_line())[:1] != [f"<{self._sequence}"]:
-            pass
+        for _ in range(1000):  # no flood of unasked lines holds up a safe state
+            if (words := self._read_line())[:1] == [f"<{self._sequence}"]:
+                break
         if words[1:2] != ["OK"]:
             self._fail(
                 Refused, f"obey {word}", " ".join(words[1:]), "Check state and limits."
@@ -184,9 +185,11 @@ class RfDriver(Device):
             line = self._connection.read_until(b"\n", 1024)
         body = line.decode("latin-1").rpartition("*")[0]
         if line != line_with_checksum(body):
-            kind = BadReply if line.endswith(b"\n") else InstrumentTimeout
             self._fail(
-                kind, "send a whole line in time", repr(line), "Check power and cable."
+                BadReply if line.endswith(b"\n") else InstrumentTimeout,
+                "send a whole line in time",
+                repr(line),
+                "Check power and cable.",
             )
         return body.split()
 
