@@ -156,7 +156,7 @@ def test_a_reset_without_an_answer_keeps_the_usual_timeout():
 
 
 def test_a_log_on_a_full_disk_keeps_no_request_from_a_device():
-    full = Mock(write=Mock(side_effect=OSError(28, "No space left on device")))
+    full = Mock(**{"write.side_effect": OSError})
     assert Logged(Mock(ask=str), "daq", full).ask(1) == "1"
 
 
