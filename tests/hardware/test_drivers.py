@@ -161,6 +161,7 @@ def test_a_log_on_a_full_disk_keeps_no_request_from_a_device():
 
 
 def test_a_flood_of_unasked_lines_ends():
-    flood = Mock(read_until=lambda *size: line_with_checksum("!TICK"))
     with raises(Refused):
-        RfDriver(flood, "rf").safe_state()
+        RfDriver(
+            Mock(read_until=lambda *size: line_with_checksum("!TICK")), "rf"
+        ).safe_state()

@@ -34,9 +34,11 @@ class Logged:
 
     def _note(self, direction: str, content: object) -> None:
         text = content.hex(" ") if isinstance(content, bytes) else str(content).strip()
-        now = datetime.now().isoformat(timespec="milliseconds")
         try:
-            self._log.write(f"{now} {self._name} {direction} {text}\n")
+            self._log.write(
+                f"{datetime.now().isoformat(timespec='milliseconds')} "
+                f"{self._name} {direction} {text}\n"
+            )
             self._log.flush()
         except OSError:  # a full disk must not keep a request from the device
             pass

@@ -170,6 +170,7 @@ class RfDriver(Device):
             self._connection.write(
                 line_with_checksum(" ".join([f">{self._sequence}", word, *arguments]))
             )
+        words = []
         for _ in range(1000):  # no flood of unasked lines holds up a safe state
             if (words := self._read_line())[:1] == [f"<{self._sequence}"]:
                 break
