@@ -122,8 +122,9 @@ def test_sets_of_wraps_are_counted_within_the_range(exact):
 
 def test_true_depth_read_against_the_measured_phase_loses_the_boundaries():
     """9 % of the pixels: noise carries a phase across the end of its wrap."""
-    m = simulate(load_frame("still_life"), protocol="full")
-    found = scores(m, method="reference-depth")
+    found = scores(
+        simulate(load_frame("still_life"), protocol="full"), method="reference-depth"
+    )
     assert found["consistent_lt_1"] == 1.0
     assert 0.85 < found["delta_lt_1"] < 0.98
 

@@ -26,12 +26,22 @@ class Tracer:
     vertices : array_like, shape (V, 3)
         m.
     faces : array_like of int, shape (F, 3)
+
+    Raises
+    ------
+    ValueError
+        If Embree is not installed.
     """
 
     def __init__(self, vertices: ArrayLike, faces: ArrayLike) -> None:
-        from embreex.mesh_construction import TriangleMesh
-        from embreex.rtcore_scene import EmbreeScene
-
+        try:
+            from embreex.mesh_construction import TriangleMesh
+            from embreex.rtcore_scene import EmbreeScene
+        except ImportError as error:
+            raise ValueError(
+                f"Expected Embree for rendering rooms, got {error}. "
+                "Install it: pip install 'cmtof[rooms]'."
+            ) from error
         self._scene: Any = EmbreeScene(robust=True)
         TriangleMesh(
             self._scene,

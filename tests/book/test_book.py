@@ -148,7 +148,6 @@ def test_every_number_of_the_errata_is_printed_by_the_run_or_read_from_the_paper
 
 
 def test_every_erratum_was_computed_by_this_build():
-    line = r"(?m)^\w+: (\d+) of (\d+) hold$"
-    counted = re.findall(line, printed_by_errata())
+    counted = re.findall(r"(?m)^\w+: (\d+) of (\d+) hold$", printed_by_errata())
     assert sum(int(whole) for _, whole in counted) == 29
     assert all(held == whole for held, whole in counted)

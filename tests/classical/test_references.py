@@ -94,8 +94,9 @@ def test_true_depth_brings_the_phase_within_half_a_wrap():
 @fixture(scope="module")
 def even():
     """A measurement of depths that lie evenly over 21 wraps."""
-    depth = np.random.default_rng(4).uniform(36 * WRAP, 57 * WRAP, (300, 300))
-    return simulate(lit(depth))
+    return simulate(
+        lit(np.random.default_rng(4).uniform(36 * WRAP, 57 * WRAP, (300, 300)))
+    )
 
 
 def test_a_random_wrap_is_right_once_and_the_middle_within_two_five_times_in_21(even):

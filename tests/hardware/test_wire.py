@@ -12,7 +12,7 @@ from pytest import approx, fixture, mark
 from refusals import refused
 from wire import RIG, TODAY, WALL, with_device
 
-from cmtof.hardware.connect import connected_bench, connected_driver
+from cmtof.hardware.connect import DARK_FIRST, connected_bench, connected_driver
 from cmtof.hardware.device import ConnectionLost, InstrumentError, Refused
 from cmtof.hardware.plan import plan_scan
 from cmtof.hardware.scan import scan
@@ -41,8 +41,8 @@ def test_counts_are_those_of_the_simulation_with_slow_parts(world, take):
     wanted = scan(plan_scan(replace(RIG, **air), size=2), bench, Path("simulated.nc"))
     assert (found.dataset["time"] > TODAY).all()
     usual, thin = (one.dataset.attrs["group_index"] - 1 for one in (wanted, found))
-    ideal_gas = 83e3 / 101325 * 293.15 / 303.15
-    assert thin / usual == approx(ideal_gas, rel=2e-3)
+    # of an ideal gas
+    assert thin / usual == approx(83e3 / 101325 * 293.15 / 303.15, rel=2e-3)
     for name in ("raw_counts", "laser_power", "detuning", "angle"):
         assert_array_equal(found.dataset[name], wanted.dataset[name])
 
@@ -72,13 +72,11 @@ PLACES = {
     "stage": b"\x53\x04",
     "power_meter": b"MEAS:POW",
 }
-# Devices whose own light or RF stays on until their own timers end it.
-TIMED = ("daq", "rf_emission", "rf_detection")
 
 
 def goes_dark(world, lost):
     """Whether all is dark, and at the latest when the timer of a device that is lost ends."""
-    soon = world.dark or lost in TIMED
+    soon = world.dark or lost in DARK_FIRST
     world.silence(6.0)
     return soon and world.dark
 
@@ -118,6 +116,15 @@ def test_a_device_that_is_missing_at_the_start_leaves_no_light(world, lit, role)
     assert world.lit == (role == "daq")
     assert world.panel.detection.on == (role == "rf_detection")
     assert goes_dark(world, role)
+
+
+@mark.parametrize("role", DARK_FIRST)
+def test_a_device_that_is_silent_at_the_start_keeps_no_other_on(world, lit, role):
+    world.ends[role].wire.fail(b"", b"")
+    world.rig = with_device(world.rig, role, timeout=0.05)
+    with refused("in time", InstrumentError), connected_bench(world.rig):
+        pass
+    assert world.panel.detection.on == (role == "rf_detection")
 
 
 @mark.parametrize("role", PLACES)

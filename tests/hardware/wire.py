@@ -20,6 +20,7 @@ from peers import T7, Controller, Firmware, Wire
 from scpi_peers import Generator, Meter
 
 from cmtof.hardware.apt import MOTORS
+from cmtof.hardware.connect import DARK_FIRST
 from cmtof.hardware.rig import Rig
 from cmtof_lab.rehearsal import simulated_bench
 from cmtof_lab.targets import Plane
@@ -79,8 +80,9 @@ class Terminal:
         self._link.symlink_to(os.ttyname(far))
         self.address = str(self._link)
         self._far = os.fdopen(far, "rb")
-        send = partial(os.write, near)
-        in_background(serve, os.fdopen(near, "rb"), read, self.wire, send)
+        in_background(
+            serve, os.fdopen(near, "rb"), read, self.wire, partial(os.write, near)
+        )
 
     def close(self):
         """Leave the port: when the host leaves it, too, nobody is there."""
@@ -196,7 +198,7 @@ class World:
     def silence(self, seconds):
         """Let time pass without any request."""
         self.sleep(seconds)
-        for role in ("daq", "rf_emission", "rf_detection"):
+        for role in DARK_FIRST:
             self.models[role].look()
 
     @property

@@ -76,8 +76,7 @@ def test_a_veil_pulls_a_dark_spot_by_the_closed_form(dark=0.005):
     spot = flat(1.0, dark)
     field = flat(1.3, 0.8)
     ratio = 0.25 * camera.signal(field) / camera.signal(spot)
-    away = phase_from_depth(0.3, camera.frequency)
-    turned = np.angle(1 + ratio * np.exp(1j * away))
+    turned = np.angle(1 + ratio * np.exp(1j * phase_from_depth(0.3, camera.frequency)))
     pull = depth_from_phase(turned, camera.frequency)
     assert_allclose(bias(camera, spot, field), pull, rtol=1e-9)
     assert abs(bias(camera, spot, flat(1.0, 0.8))).max() < 1e-12

@@ -101,8 +101,7 @@ def test_no_camera_stands_in_a_solid_or_close_to_a_surface(room):
     turn = np.linspace(0, TAU, 24, endpoint=False)
     tilt = 0.3 * np.sin(5 * turn)
     rays = unit(np.column_stack([np.cos(turn), np.sin(turn), tilt])).astype(np.float32)
-    settings = Settings(SEED, height=48, width=64)
-    poses = room.cameras(4, settings.lens(room.index))
+    poses = room.cameras(4, Settings(SEED, height=48, width=64).lens(room.index))
     for pose in poses["cam_00"] + poses["cam_01"]:
         hits = room.interior.tracer.nearest(np.full_like(rays, pose.position), rays)
         met = hits.triangle >= 0

@@ -87,8 +87,9 @@ def joint_odds(alone, borders):
 
 def test_a_false_contact_gives_way_to_those_that_agree():
     """Five surfaces, all in contact; one border of ten is a wrap off."""
-    pairs = combinations(range(5), 2)
-    borders = between(*((*pair, pair == (0, 1), 0.8) for pair in pairs))
+    borders = between(
+        *((*pair, pair == (0, 1), 0.8) for pair in combinations(range(5), 2))
+    )
     found = place(known([0.1, 0.3, 0, 0.4, -0.2], [0.6] * 5), borders)
     assert not found.wraps.any()
     assert np.unique(found.group).size == 1

@@ -65,8 +65,9 @@ def test_pixels_with_the_beat_of_another_surface_hardly_count(rng):
     depth, _ = plane_depth()
     field = exact_field(depth, information=5000.0, noise_of=rng)
     field.phasor[1, rng.random(SHAPE) < 0.1] *= np.exp(2j * np.pi * EXCESS * 14)
-    cells = cells_of_surfaces(field, INNER, depth, 1, side=1)
-    beat, noise, _ = pooled_beats(field, cells)
+    beat, noise, _ = pooled_beats(
+        field, cells_of_surfaces(field, INNER, depth, 1, side=1)
+    )
     assert abs(beat) < 0.3 and noise < 0.05
 
 

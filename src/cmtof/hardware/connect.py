@@ -75,8 +75,13 @@ def read_out(rig: Rig, connection: Any, **named: str) -> Any:
     """
     from cmtof.hardware import rf, t7
 
-    lines = [rig.line(part) for part in LIGHT]
-    daq = t7.LabJackT7(connection, None, safe_lines=lines, parked=rig.mirrors, **named)
+    daq = t7.LabJackT7(
+        connection,
+        None,
+        safe_lines=[rig.line(part) for part in LIGHT],
+        parked=rig.mirrors,
+        **named,
+    )
     host, port = connection.address
     stream = f"socket://{host}:{port + 200}"
     try:

@@ -170,10 +170,11 @@ class RfDriver(Device):
             self._connection.write(
                 line_with_checksum(" ".join([f">{self._sequence}", word, *arguments]))
             )
-        words = []
         for _ in range(1000):  # no flood of unasked lines holds up a safe state
             if (words := self._read_line())[:1] == [f"<{self._sequence}"]:
                 break
+        else:
+            self._fail(BadReply, "answer", "unasked lines", "Restart it.")
         if words[1:2] != ["OK"]:
             self._fail(
                 Refused, f"obey {word}", " ".join(words[1:]), "Check state and limits."
