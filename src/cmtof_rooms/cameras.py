@@ -5,6 +5,7 @@ from typing import NamedTuple
 
 import numpy as np
 from numpy.random import Generator
+from trimesh import unitize
 
 from cmtof.frame import rays_from_camera
 from cmtof.types import Array, Shape
@@ -68,10 +69,8 @@ def look_at(position: Array, target: Array, roll: float = 0.0) -> Camera:
     >>> look_at(np.zeros(3), np.array([0.0, 1.0, 0.0])).orientation.round(6).tolist()
     [[1.0, 0.0, 0.0], [0.0, 0.0, -1.0], [0.0, 1.0, 0.0]]
     """
-    back = position - target
-    back = back / np.linalg.norm(back)
-    right = np.cross([0.0, 0.0, 1.0], back)
-    right /= np.linalg.norm(right)
+    back = unitize(position - target)
+    right = unitize(np.cross([0.0, 0.0, 1.0], back))
     axes = turn_about_z(roll) @ [right, np.cross(back, right), back]
     return Camera(position, axes.T)
 
@@ -107,7 +106,8 @@ def choose_cameras(
         middle = wanted(rng)
         drawn = [draw(rng) for _ in range(TRIES)]
         flaws = [
-            _flaws(one, middle, interior, coarse) + 0.8 * _likeness(one, views)
+            _flaws(one, middle, interior, coarse)
+            + 0.8 * max([0.0, *(_likeness(one, view) for view in views)])
             for one in drawn
         ]
         views.append(drawn[np.argmin(np.round(flaws, 4))])
@@ -149,7 +149,7 @@ def camera_close(middles: Array, rng: Generator) -> Camera:
     """Draw a camera 0.5 to 1.2 m from one of several things, given by their middles (N, 3), m."""
     target = middles[rng.integers(len(middles))] + rng.normal(0, 0.05, 3)
     away = _direction(rng.uniform(0, 2 * np.pi), np.radians(rng.uniform(0, 45)))
-    eye = target + away / np.linalg.norm(away) * rng.uniform(*_CLOSE)
+    eye = target + unitize(away) * rng.uniform(*_CLOSE)
     return look_at(eye, target, np.radians(rng.normal(0, 3)))
 
 
@@ -174,22 +174,20 @@ def _flaws(camera: Camera, wanted: float, interior: Interior, lens: Lens) -> flo
     seen = distance[:-_AROUND]
     part = interior.part[hits.triangle]
     thing = np.where(met, interior.instance[part], 0)[:-_AROUND]
-    off = abs(np.log(max(np.median(seen), 0.05) / wanted))
-    off += 0.15 * max(
-        0, 9 - len(np.unique(thing))
-    )  # bare walls are rarely photographed
-    off += 20.0 * (np.quantile(seen, 0.02) < 0.45)
-    off += 2.0 * max(0.0, (seen == _FAR).mean() - 0.1)
-    off += 50.0 * (distance[-_AROUND:].min() < _AIR)
-    return off + 200.0 * (behind.mean() > 0.02)
+    return (
+        abs(np.log(max(np.median(seen), 0.05) / wanted))
+        # bare walls are rarely photographed
+        + 0.15 * max(0, 9 - len(np.unique(thing)))
+        + 20.0 * (np.quantile(seen, 0.02) < 0.45)
+        + 2.0 * max(0.0, (seen == _FAR).mean() - 0.1)
+        + 50.0 * (distance[-_AROUND:].min() < _AIR)
+        + 200.0 * (behind.mean() > 0.02)
+    )
 
 
-def _likeness(camera: Camera, chosen: Cameras) -> float:
-    """Likeness, 0 to 1, of a view to those chosen before: 1 for the same place and direction."""
-    likeness = 0.0
-    for other in chosen:
-        apart = np.linalg.norm(camera.position - other.position) / 2.0
-        cosine = camera.orientation[:, 2] @ other.orientation[:, 2]
-        turned = np.arccos(np.clip(cosine, -1, 1)) / 0.7
-        likeness = max(likeness, float(np.exp(-(apart**2) - turned**2)))
-    return likeness
+def _likeness(one: Camera, other: Camera) -> float:
+    """Likeness, 0 to 1, of two views: 1 for the same place and direction."""
+    apart = np.linalg.norm(one.position - other.position) / 2.0
+    cosine = one.orientation[:, 2] @ other.orientation[:, 2]
+    turned = np.arccos(np.clip(cosine, -1, 1)) / 0.7
+    return np.exp(-(apart**2) - turned**2)

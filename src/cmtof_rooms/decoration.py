@@ -169,7 +169,7 @@ def picture(
         space.inset(x=half, y0=depth / 3, z=half),
     )
     yield (
-        kit.material("wood", "metal"),
+        kit.material(kit.pick(["wood", "metal"])),
         space.ends("z", edge),
         space.inset(z=edge).ends("x", edge),
     )

@@ -76,7 +76,7 @@ def chair(kit: Kit, space: Box, *, back: bool = True) -> Piece:
     """A chair or stool: seat, four legs and, at its back, two posts with a board."""
     height = space.z1
     level = min(0.46, 0.55 * height) if back else height
-    wood = kit.material("wood", "metal")
+    wood = kit.material(kit.pick(["wood", "metal"]))
     thickness = 0.035
     seat = space.cut(z0=level - 0.04, z1=level)
     yield "fabric", seat

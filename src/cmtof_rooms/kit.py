@@ -47,9 +47,8 @@ class Kit:
     rng: Generator
     palette: dict[str, list[Material]]
 
-    def material(self, *roles: str) -> Material:
-        """Draw one of the household's materials of a role, or of one of several roles."""
-        role = roles[0] if len(roles) == 1 else self.rng.choice(roles)
+    def material(self, role: str) -> Material:
+        """Draw one of the household's materials of a role."""
         return self.pick(self.palette[role])
 
     def part(self, material: Material | str, *solids: Solid) -> Part:
