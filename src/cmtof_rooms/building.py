@@ -35,16 +35,14 @@ def build_shell(kit: Kit, room: Fields) -> Shell:
         Wall(Place(0.0, depth), width),
         Wall(Place(0.0, 0.0, turn=quarter), depth),
     ]
-    floor = [Box(0.0, width, 0.0, depth, 0.0, height)]
-    is_day = is_open or kit.chance(0.75)
     shell = Shell(
         width,
         depth,
         height,
         walls,
-        floor,
+        [Box(0.0, width, 0.0, depth, 0.0, height)],
         open=is_open,
-        day=is_day,
+        day=is_open or kit.chance(0.75),
     )
     if not is_open and min(width, depth) >= 3.6 and kit.chance(0.25):
         _cut_corner(kit, shell)

@@ -116,20 +116,18 @@ def _glaze(
     """Cut windows into a wall, with frames and, without a view, bright panes."""
     trim = kit.material("front")
     pane = Material(SKY, emission=shell.sky * kit.between(0.7, 1.3))
-    upright, level = kit.rng.integers(2, 5, 2)
+    columns, rows = kit.rng.integers(1, 4, 2)
     pieces = []
     for hole in holes:
         wall.cut(hole)
         whole = hole.cut(y0=0.06, y1=0.11)
-        x = np.linspace(hole.x0, hole.x1, upright)[1:-1]
-        z = np.linspace(hole.z0, hole.z1, level)[1:-1]
         pieces.append(
             (
                 trim,
                 whole.ends("x", 0.06),
                 whole.ends("z", 0.06),
-                whole.bars("x", x, 0.02),
-                whole.bars("z", z, 0.02),
+                whole.bars("x", whole.split("x", columns).x0[1:], 0.02),
+                whole.bars("z", whole.split("z", rows).z0[1:], 0.02),
             )
         )
         if not view:

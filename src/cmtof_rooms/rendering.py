@@ -28,7 +28,7 @@ from cmtof_rooms.rooms import (
     LENS,
     FurnishedRoom,
     build_room,
-    close_views,
+    count_views,
     room_name,
     stream,
 )
@@ -166,9 +166,8 @@ def render_views(settings: Settings) -> Iterator[RenderedView]:
 def list_views(settings: Settings, index: int) -> list[View]:
     """Views of a room: those across it (``cam_00``), then those close to things (``cam_01``)."""
     name = room_name(settings.seed, index)
-    close = close_views(index, settings.views)
-    across = [View(name, "cam_00", k) for k in range(settings.views - close)]
-    return across + [View(name, "cam_01", k) for k in range(close)]
+    counts = count_views(index, settings.views)
+    return [View(name, camera, k) for camera in counts for k in range(counts[camera])]
 
 
 def views_of_room(
@@ -271,13 +270,13 @@ def render_rooms(
     with exclusive_lock(root, wait=True):
         _claim(root, settings)
         write_metadata(root, (settings.height, settings.width), scenes)
-        for report in _each(root, settings, workers or os.cpu_count() or 1):
+        for report in _each(root, settings, workers):
             progress(report)
             reports.append(report)
     return reports
 
 
-def _each(root: Path, settings: Settings, workers: int) -> Iterator[Report]:
+def _each(root: Path, settings: Settings, workers: int | None) -> Iterator[Report]:
     """Reports of rooms, rendered in order by one process or several; none begins after Ctrl-C."""
     render = partial(render_room, root, settings)
     if workers == 1:

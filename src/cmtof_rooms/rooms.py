@@ -47,14 +47,15 @@ def room_name(seed: int, index: int) -> str:
     return f"room_{seed:03d}_{index:03d}"
 
 
-def close_views(index: int, views: int) -> int:
-    """How many of a room's views are close ones; over many rooms a share of `CLOSE_SHARE`.
+def count_views(index: int, views: int) -> dict[str, int]:
+    """How many of a room's views each camera has; over many rooms `CLOSE_SHARE` are close ones.
 
-    >>> [close_views(i, 5) for i in range(8)]
+    >>> [count_views(i, 5)["cam_01"] for i in range(8)]
     [0, 0, 0, 1, 0, 0, 0, 1]
     """
     share = round(views * CLOSE_SHARE, 9)
-    return int((index + 1) * share) - int(index * share)
+    close = int((index + 1) * share) - int(index * share)
+    return {"cam_00": views - close, "cam_01": close}
 
 
 @dataclass(frozen=True)
@@ -83,17 +84,17 @@ class FurnishedRoom:
 
         Together ``views``; the first ones stay the same when more are asked for.
         """
-        close = close_views(self.index, views)
+        counts = count_views(self.index, views)
         choose = partial(choose_cameras, self.interior, lens)
         return {
             "cam_00": choose(
-                views - close,
+                counts["cam_00"],
                 stream(self.seed, self.index, ACROSS),
                 range_across,
                 partial(camera_across, self.floor),
             ),
             "cam_01": choose(
-                close,
+                counts["cam_01"],
                 stream(self.seed, self.index, CLOSE),
                 range_close,
                 partial(camera_close, middles_of(self.furniture)),
