@@ -149,7 +149,7 @@ def camera_close(middles: Array, rng: Generator) -> Camera:
     """Draw a camera 0.5 to 1.2 m from one of several things, given by their middles (N, 3), m."""
     target = middles[rng.integers(len(middles))] + rng.normal(0, 0.05, 3)
     away = _direction(rng.uniform(0, 2 * np.pi), np.radians(rng.uniform(0, 45)))
-    eye = target + unitize(away) * rng.uniform(*_CLOSE)
+    eye = target + away / np.linalg.norm(away) * rng.uniform(*_CLOSE)
     return look_at(eye, target, np.radians(rng.normal(0, 3)))
 
 
@@ -190,4 +190,4 @@ def _likeness(one: Camera, other: Camera) -> float:
     apart = np.linalg.norm(one.position - other.position) / 2.0
     cosine = one.orientation[:, 2] @ other.orientation[:, 2]
     turned = np.arccos(np.clip(cosine, -1, 1)) / 0.7
-    return np.exp(-(apart**2) - turned**2)
+    return float(np.exp(-(apart**2) - turned**2))
