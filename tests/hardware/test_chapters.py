@@ -68,11 +68,12 @@ def test_a_chapter_measures_on_a_rig_what_it_simulates(world_of, chapter):
         assert_allclose(measured[key], value, atol=1e-8, err_msg=key)
 
 
-def test_the_guides_lines_run_on_a_rig(world_of, capsys):
+def test_the_guides_lines_run_on_a_rig(world_of, capsys, monkeypatch):
     world = world_of(**PHOTODIODE)
     world.write()
     asked = []
-    seen = {"input": asked.append}
+    monkeypatch.setattr("builtins.input", asked.append)
+    seen = {}
     guide = (ROOT / "book" / "hardware.md").read_text("utf-8")
     for block in re.findall(r"(?s)```python\n(.*?)```", guide):
         if "bluesky" not in block or find_spec("bluesky"):

@@ -11,7 +11,8 @@ from pytest import mark
 from cmtof.hardware.safety import EmergencyStop
 
 PROGRAM = """
-import os, signal, sys, time
+import contextlib, os, signal, sys, time
+from cmtof.hardware import safety
 from cmtof.hardware.safety import EmergencyStop
 
 class Device:
@@ -31,6 +32,13 @@ print("after", flush=True)
 """
 SAFE = ["safe rf", "safe shutter", "safe stage"]
 WAIT = "time.sleep(30)"
+# what the first signal raises is lost, as in a method that Python calls by itself
+SWALLOWED = """
+    safety.PAUSE = 0.0
+    for suppressed in (SystemExit, ()):
+        with contextlib.suppress(suppressed):
+            signal.raise_signal(signal.SIGTERM)
+"""
 
 
 def outcome(inside, number=None, *, fails=False, during=None):
@@ -53,8 +61,9 @@ def outcome(inside, number=None, *, fails=False, during=None):
         (WAIT, signal.SIGINT, -signal.SIGINT, "KeyboardInterrupt"),
         (WAIT, signal.SIGTERM, 128 + signal.SIGTERM, ""),
         (WAIT, signal.SIGHUP, 128 + signal.SIGHUP, ""),
+        (SWALLOWED, None, 128 + signal.SIGTERM, ""),
     ],
-    ids=["end", "exception", "Ctrl-C", "SIGTERM", "SIGHUP"],
+    ids=["end", "exception", "Ctrl-C", "SIGTERM", "SIGHUP", "swallowed"],
 )
 def test_every_end_is_safe(inside, number, code, words):
     lines, err, found = outcome(inside, number)

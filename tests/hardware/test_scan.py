@@ -146,6 +146,8 @@ def test_a_whole_scan_needs_no_journal_to_be_resumed(whole):
     take(resume=True)
     with refused(r"got another power_dbm, 30\.0\. Scan with its settings"):
         take(rig=replace(RIG, power_dbm=29.0), resume=True)
+    with refused("got another group_index, 1.0"):
+        take(twin=TwinSettings.ideal(), resume=True)
 
 
 def test_a_foreign_measurement_is_not_a_finished_scan():
@@ -200,22 +202,25 @@ def test_more_light_than_allowed_ends_the_scan_before_the_first_lit_line(
     stronger, share
 ):
     twin = TwinSettings(laser_power=stronger * TwinSettings().laser_power)
-    with refused("above 0 and up to 4 mW sent out, got", Unsafe):
+    with refused("of 0.004 to 4 mW sent out, got", Unsafe):
         take(rig=replace(RIG, emitted_share=share * RIG.emitted_share), twin=twin)
     assert recorded() == 2  # the header and the dark line
 
 
-def test_light_that_grows_ends_the_scan_with_its_line():
+@mark.parametrize("share", [2.0, 0.4])
+def test_light_that_grows_or_fades_ends_the_scan_with_its_line(share):
     def prepare(bench):
         instrument = bench.daq.instrument
         usual = instrument.laser_power
 
         def grow(n):
-            instrument.laser_power = lambda panel: (1 + (n == 4)) * usual(panel)
+            instrument.laser_power = lambda panel: (
+                usual(panel) * (share if n == 4 else 1)
+            )
 
         after_lines(bench, grow)
 
-    with refused("above 0 and up to 4 mW sent out, got", Unsafe):
+    with refused("of 1.61 to 4 mW sent out, got", Unsafe):
         take(prepare=prepare)
     assert recorded() == 5  # the header and four lines
 

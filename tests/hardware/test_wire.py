@@ -127,6 +127,13 @@ def test_a_device_that_is_silent_at_the_start_keeps_no_other_on(world, lit, role
     assert world.panel.detection.on == (role == "rf_detection")
 
 
+def test_a_device_whose_name_is_garbled_goes_dark(world, lit):
+    world.ends["rf_emission"].wire.fail(b"ID?", b"nonsense\n", times=2)
+    with refused("Expected", InstrumentError), connected_bench(world.rig):
+        pass
+    assert world.dark
+
+
 @mark.parametrize("role", PLACES)
 def test_another_device_than_the_rig_names_is_refused(world, role):
     with (

@@ -104,6 +104,10 @@ def _opener(
 ) -> Callable[[], Any]:
     """Function that opens a bench of real devices or, for a twin, of simulated ones."""
     if twin:
+        if log:
+            raise BadParameter(
+                "Expected --log with a RIG file, got --twin. Leave one out."
+            )
         from cmtof_lab.rehearsal import simulated_bench
 
         return partial(

@@ -178,7 +178,7 @@ class Motor(Device):
                 if waiting:
                     waiting()
                 time.sleep(_POLL)
-        except InstrumentError:
+        except BaseException:  # Ctrl-C, too
             self.safe_state()
             raise
 

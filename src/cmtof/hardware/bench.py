@@ -2,6 +2,7 @@
 
 from collections.abc import Callable, Iterable, Sequence
 from itertools import repeat
+from threading import Thread
 from time import monotonic, sleep, time
 from typing import Any
 
@@ -25,6 +26,7 @@ from cmtof.types import Array, Counts, Named, Values
 
 ATTEMPTS = 3  # at a line before lost samples or a missed edge are an error
 WATCHDOG = 5  # s without a request, after which the read-out makes itself dark
+FAINTEST = 1e-3  # share of the power allowed, below which the laser counts as off
 RAMP = (-20.0, -10.0, -6.0, -3.0, 0.0)  # dB: steps by which RF comes up to its power
 
 
@@ -64,6 +66,7 @@ class Bench(EmergencyStop):
         self._clock_of = clock_of or (lambda label: time())
         self._aim = np.zeros(2)  # of the mirrors, optical angles, rad
         self._levels = {}
+        self._brightest = 0.0  # power sent out in this mode, W
         self._silence = min(rig.dead_man, WATCHDOG)  # that some device's timer allows
         self._fed = monotonic()
         super().__init__(devices.values())
@@ -82,6 +85,14 @@ class Bench(EmergencyStop):
         end = monotonic() + self._patience * seconds
         while (left := end - monotonic()) > 0:
             sleep(min(left, self._silence / 8))
+            self.feed()
+
+    def ask(self, text: str) -> None:
+        """Wait until a person presses Enter, while the watchdogs are kept from expiring."""
+        answer = Thread(target=input, args=[text], daemon=True)
+        answer.start()
+        while answer.is_alive():
+            answer.join(self._silence / 8)
             self.feed()
 
     def check_interlock(self) -> None:
@@ -152,8 +163,8 @@ class Bench(EmergencyStop):
         """Close the shutter, then turn both plates and drive both modulators for a mode."""
         self.close_and_park()
         rig = self.rig
-        for rf in self.rf:
-            rf.output(False)
+        self._brightest = 0.0
+        self.turn_rf_off()
         for module in ("emission", "detection"):
             self.turn_plate(module, PLATES[mode])
         for rf in self.rf:
@@ -161,6 +172,11 @@ class Bench(EmergencyStop):
             self.ramp_up(rf, rig.power_dbm)
         self.rf_detection.load_table(drive_phases(rig.phases, mode))
         self.rf_detection.trigger(True)
+
+    def turn_rf_off(self) -> None:
+        """Turn the RF of both drives off."""
+        for rf in self.rf:
+            rf.output(False)
 
     def turn_plate(self, module: str, angle: float) -> None:
         """Turn a module's half-wave plate to theta_h, degrees."""
@@ -191,7 +207,8 @@ class Bench(EmergencyStop):
         """Choose the path of the light: "scan", "reference" target, or "dark" for none.
 
         Two more look at the target, too: "rf" by the fast photodiode, and "interferometer" beside
-        the light of the reference mirror, whose beam block is raised.
+        the light of the reference mirror, whose beam block is raised. Light that is not as
+        `metered_power` expects it is an error.
         """
         at_target = kind not in ("scan", "dark")
         to_photodiode = self.rig.flip_mirror == "photodiode"
@@ -205,6 +222,8 @@ class Bench(EmergencyStop):
             self.fly_back(np.deg2rad([self.rig.reference_direction_deg]))
         self.switch("beam_block", kind == "interferometer")
         self.switch("shutter", kind != "dark")
+        if kind != "dark":
+            self.metered_power()
 
     def move_target(self, offset: float) -> None:
         """Move the target to an offset, m, always from below, against backlash of the screw."""
@@ -261,24 +280,27 @@ class Bench(EmergencyStop):
             rf.ping()
 
     def metered_power(self) -> float:
-        """Laser power at the meter, W; `Unsafe` if it is zero, or more is emitted than allowed."""
+        """Laser power at the meter, W.
+
+        `Unsafe` if more is sent out than allowed, or less than half of the most in this mode.
+        """
         metered = self.power_meter.power
         emitted = self.rig.emitted_share * metered
-        if not 0 < emitted <= self.rig.power_limit:
+        limit = self.rig.power_limit
+        least = max(FAINTEST * limit, self._brightest / 2)
+        if not least <= emitted <= limit:
             raise Unsafe(
-                f"Expected laser power above 0 and up to {1e3 * self.rig.power_limit:g} mW sent "
-                f"out, got {1e3 * emitted:.3g} mW. Check laser, shutter and fibre."
+                f"Expected laser power of {1e3 * least:.3g} to {1e3 * limit:g} mW sent out, "
+                f"got {1e3 * emitted:.3g} mW. Check laser, shutter and fibre."
             )
+        self._brightest = max(self._brightest, emitted)
         return metered
 
     def measure(self, plan: Plan, line: Line, attempts: int = ATTEMPTS) -> LineRecord:
         """Record of a plan's line, measured up to three times if samples or edges are lost."""
         self.look_at(line.kind)
-        has_light = line.kind != "dark"
         if line.kind == "reference":
             self.move_target(plan.sweep[line.row])
-        if has_light:
-            self.metered_power()
         outputs: Requests = repeat({})
         try:
             if line.kind == "scan":
@@ -292,7 +314,7 @@ class Bench(EmergencyStop):
             return self.measure(plan, line, attempts - 1)
         self.check()
         # on the clock of the last burst: so it is the same after other lines and after a resume
-        power = self.metered_power() if has_light else 1.0
+        power = 1.0 if line.kind == "dark" else self.metered_power()
         measured = sums_from_counts(counts, plan.kept)
         locks = np.array([rf.lock()[1:] for rf in self.rf])
         return LineRecord(

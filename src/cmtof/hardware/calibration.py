@@ -37,10 +37,8 @@ def measure_light(
     read = partial(take_reading, bench, "reference", bench.daq.gain(), count(1))
     rf = bench.devices[f"rf_{module}"]
     bench.choose_mode("single")
-    for one in bench.rf:
-        one.output(False)
+    bench.turn_rf_off()
     bench.look_at("reference")
-    bench.metered_power()
     found = []
 
     def look() -> None:
@@ -84,7 +82,8 @@ def resonance(bench: Bench, module: str, frequencies: Sequence[float]) -> Pair:
 def plate(bench: Bench, module: str, angles: Sequence[float]) -> Pair:
     """Correction of a plate's zero, degrees, and extinction ratio of its module.
 
-    They follow from its light at angles, degrees, spread over 45 degrees.
+    They follow from its light at angles, degrees, spread over 45 degrees: up to twice as much
+    leaves an emission module as in a scan.
     """
     fit = decode(measure_light(bench, module, angles), 8 * np.deg2rad(angles))
     ratio = (fit.offset + fit.amplitude) / (fit.offset - fit.amplitude)
@@ -94,6 +93,7 @@ def plate(bench: Bench, module: str, angles: Sequence[float]) -> Pair:
 def cyclic_error(bench: Bench, offsets: ArrayLike) -> Array:
     """Amplitudes, m, of range errors of 1, 2, ... periods over offsets (N,), m, of whole wraps."""
     seen = sweep(bench, "reference", offsets)
+    bench.turn_rf_off()
     error = sweep_errors(
         seen, bench.rig.reference_distance, visits=seen.sizes["position"]
     )

@@ -7,7 +7,7 @@ from pathlib import Path
 from typing import Any, TextIO
 
 from cmtof.hardware.bench import Bench
-from cmtof.hardware.device import ConnectionLost, insist
+from cmtof.hardware.device import BadReply, ConnectionLost, InstrumentTimeout, insist
 from cmtof.hardware.log import Logged
 from cmtof.hardware.modbus import Feedback
 from cmtof.hardware.rig import LIGHT, Rig
@@ -22,16 +22,20 @@ def connected_bench(rig: Rig, log: Path | None = None) -> Iterator[Bench]:
     """Bench of a rig's real devices, which are closed again, also if one cannot be reached.
 
     Every device has to be the one that the rig names, and is in its safe state before the next one
-    is connected. Requests and replies go into a file ``log``.
+    is connected. Requests and replies are added to a file ``log``.
     """
     with ExitStack() as reached:
         devices = {}
-        text = reached.enter_context(log.open("w", encoding="utf-8")) if log else None
+        text = reached.enter_context(log.open("a", encoding="utf-8")) if log else None
 
         def reach(role: str) -> None:
             device = connected_driver(rig, role, text)
             devices[role] = reached.enter_context(closing(device))
-            device.identify()
+            try:
+                device.identify()
+            except (BadReply, InstrumentTimeout):
+                device.safe_state()  # it may be lit, and hear more than it can say
+                raise
             device.safe_state()
 
         insist(*(partial(reach, role) for role in DARK_FIRST), tries=1)

@@ -57,7 +57,7 @@ def check_settings(path: Path, old: Named, new: Named) -> None:
         if old.get(name) != new[name]:
             raise ValueError(
                 f"Expected {path} to be of these settings, got another {name}, "
-                f"{old.get(name)!r:.60}. Scan with its settings, or remove it to begin again."
+                f"{old.get(name)!s:.60}. Scan with its settings, or remove it to begin again."
             )
 
 

@@ -98,8 +98,7 @@ def sweep(
         phases_of = calibrated_mixer(bench, read)
     elif way == "interferometer":
         frequency = SPEED_OF_LIGHT / LASER_WAVELENGTH
-        for rf in bench.rf:
-            rf.output(False)
+        bench.turn_rf_off()
     bench.look_at(way)
     volts = []
     powers = []

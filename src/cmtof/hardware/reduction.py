@@ -26,7 +26,7 @@ from cmtof.correlation import TAU, centred, decode, phase_from_depth
 from cmtof.hardware.plan import REFERENCE_BURSTS, LineRecord, Plan
 from cmtof.hardware.rig import MODES
 from cmtof.measurement import Measurement
-from cmtof.types import Array, Counts, Named, Numbers, Pair
+from cmtof.types import Array, Counts, Fields, Named, Numbers, Pair
 
 Records = Sequence[LineRecord]  # of lines of a plan, in any order
 
@@ -130,6 +130,14 @@ def psi_correction(plan: Plan, header: Named, mode: str, records: Records) -> Pa
     )
 
 
+def attributes(values: Named) -> Fields:
+    """Attributes of a measurement, in which lists and dicts are JSON."""
+    return {
+        name: json.dumps(value) if isinstance(value, list | dict) else value
+        for name, value in values.items()
+    }
+
+
 def measurement_from_records(
     plan: Plan, header: Named, records: Records
 ) -> Measurement:
@@ -150,10 +158,7 @@ def measurement_from_records(
         "protocol": "scan",
         "saturation": FULL_SCALE,
         "sample_rate": float(np.mean([record.rate for record in records])),
-        **{
-            name: json.dumps(value) if isinstance(value, list | dict) else value
-            for name, value in header.items()
-        },
+        **attributes(header),
     }
     return Measurement(data.drop_vars("clipped"))
 

@@ -111,7 +111,7 @@ class Rig:
     # V peak to peak into 50 Ohm
     clock_amplitude: float = Field(default=1.0, ge=0.01, le=10)
     # one, and a splitter: two drift apart
-    clock_channels: tuple[Literal[1, 2], ...] = (1,)
+    clock_channels: tuple[Literal[1, 2], ...] = Field(default=(1,), min_length=1)
     # silence that switches the RF drivers off
     dead_man: float = Field(default=5.0, ge=0.1, le=60)
     # of the mounts at theta_h = 0

@@ -6,12 +6,14 @@ import sys
 import threading
 from collections.abc import Iterable
 from concurrent.futures import ThreadPoolExecutor
+from time import monotonic
 from typing import Any, Self
 
 from cmtof.hardware.device import Unsafe
 
 _NAMES = ("SIGINT", "SIGTERM", "SIGHUP", "SIGQUIT")  # Windows lacks the last two
 _SIGNALS = [one for one in signal.Signals if one.name in _NAMES]
+PAUSE = 2.0  # s after a signal in which the next is taken for impatience
 
 
 def _stop_device(device: Any) -> str:
@@ -28,13 +30,15 @@ class EmergencyStop:
 
     All devices are stopped at the same time, each in a thread of its own: one that does not answer
     delays no other. A signal raises in the main thread, so that no request is sent into the middle
-    of another, and the stop runs while the context is left; signals that come then are ignored.
+    of another, and the stop runs while the context is left; signals that come then are ignored. If
+    something swallows what a signal raised, a later one raises again.
     Against SIGKILL the devices have watchdogs of their own.
     """
 
     def __init__(self, devices: Iterable[Any]) -> None:
         self._devices = list(devices)
         self._previous = {}
+        self._signalled = -PAUSE
 
     def __enter__(self) -> Self:
         atexit.register(self.__exit__, None, None, None)
@@ -47,7 +51,8 @@ class EmergencyStop:
     def __exit__(
         self, kind: object, error: BaseException | None, trace: object
     ) -> None:
-        self._ignore_signals()
+        for number in self._previous:
+            signal.signal(number, signal.SIG_IGN)
         failures = self._make_safe()
         atexit.unregister(self.__exit__)
         for number, previous in self._previous.items():
@@ -72,11 +77,9 @@ class EmergencyStop:
             messages = [_stop_device(device) for device in self._devices]
         return [failure for failure in messages if failure]
 
-    def _ignore_signals(self) -> None:
-        for number in self._previous:
-            signal.signal(number, signal.SIG_IGN)
-
     def _on_signal(self, number: int, frame: object) -> None:
         """Raise KeyboardInterrupt for Ctrl-C, else SystemExit with 128 plus the signal's number."""
-        self._ignore_signals()
+        if monotonic() - self._signalled < PAUSE:
+            return
+        self._signalled = monotonic()
         raise KeyboardInterrupt if number == signal.SIGINT else SystemExit(128 + number)

@@ -23,18 +23,30 @@ from cmtof.hardware.journal import (
     whole_lines,
 )
 from cmtof.hardware.plan import SWEEP, Line, Plan
-from cmtof.hardware.reduction import measurement_from_records, psi_correction
+from cmtof.hardware.reduction import (
+    attributes,
+    measurement_from_records,
+    psi_correction,
+)
 from cmtof.measurement import Measurement, open_measurement
+from cmtof.types import Named
 
 
-def finished_measurement(output: Path, plan: Plan) -> Measurement:
-    """Measurement of a finished scan; a ValueError if its settings are not the plan's."""
+def finished_measurement(output: Path, plan: Plan, about: Named) -> Measurement:
+    """Measurement of a finished scan; a ValueError if its settings are not the plan's.
+
+    ``about`` is what a bench says of itself, such as the seed of a simulated one.
+    """
     measurement = open_measurement(output)
-    old = json.loads(measurement.dataset.attrs.get("settings", "{}"))
+    old = measurement.dataset.attrs
     check_settings(
         output,
-        old | {"size": list(measurement.shape)},
-        plan.rig.as_dict() | {"size": list(plan.angles.shape[:2])},
+        {
+            **json.loads(old.get("settings", "{}")),
+            **old,
+            "size": list(measurement.shape),
+        },
+        plan.rig.as_dict() | attributes(about) | {"size": list(plan.angles.shape[:2])},
     )
     return measurement
 
@@ -62,11 +74,11 @@ def scan(
             f"got {max(len(whole_lines(path)) - 1, 0)} lines in {path}. "
             "Go on with --resume, or remove it to begin again."
         )
-    if resume and output.exists() and not path.exists():
-        # the journal goes when the file is whole
-        return finished_measurement(output, plan)
     mode = None
     with bench() as on:
+        if resume and output.exists() and not path.exists():
+            # the journal goes when the file is whole
+            return finished_measurement(output, plan, on.about)
         header = {
             "version": __version__,
             **on.about,

@@ -107,6 +107,8 @@ class SignalGenerator(ScpiInstrument):
             self._connection.timeout = usual
         self._expect("reset", 1, done)
         self._write("ROSC INT")
+        source = self._pairs("ROSC?").get("ROSC")
+        self._expect("internal clock source", True, source == "INT")
         for channel in (1, 2):
             for kind in ("BTWV", "SWWV", "MDWV"):
                 state = self._pairs(f"C{channel}:{kind}?").get("STATE")
