@@ -207,8 +207,9 @@ left_of = [
 ]
 figure, (ax, right) = plt.subplots(1, 2, figsize=(8.4, 4))
 across = 1e3 * clouds[0][0, ..., 0].ravel()
-for mode, values in zip(MODES, left_of, strict=True):
-    ax.plot(across, 1e3 * values.ravel(), ".", ms=3, color=COLOURS[mode], label=mode)
+for mode, values, aside in zip(MODES, left_of, (-0.15, 0.15), strict=True):
+    heights_of = 1e3 * values.ravel()
+    ax.plot(across + aside, heights_of, ".", ms=3, color=COLOURS[mode], label=mode)
 ax.step(
     1e3 * WIDTH * np.array([-1, 0, 1]), [0, 0, 1e3 * step], where="pre", color="k", lw=1
 )
@@ -234,7 +235,8 @@ plotting.save(
     figure,
     "fig14_gage_blocks",
     caption="A step of two gauge blocks at 1 m, simulated (the paper's is a measurement). (a) "
-    "Height over the left block in one scan, both modes, at the photon limit, and the true step. "
+    "Height over the left block in one scan, both modes side by side, at the photon limit, and the "
+    "true step. "
     f"(b) Errors of the step in {repeats} scans, both modes together; dotted: the paper's.",
     alt="Left, points about two levels half a millimetre apart, with a scatter of "
     f"{1e6 * noise[0]:.0f} µm in the single and {1e6 * noise[1]:.0f} µm in the doubled mode. "
