@@ -118,40 +118,61 @@ def hidden_noise(measurement: Measurement, seen: Array) -> float:
     ratio m, so that depth hardly moves a beat: by their differences beyond the noise that is
     ``seen`` (2, H, W), rad.
     """
-    low, high = measurement.frequencies
-    ratio = high / low
-    multiple = round(ratio)
-    if abs(ratio - multiple) > _SLOW:
-        return 0.0
-    beat = measurement.phase[1] - multiple * measurement.phase[0]
-    noise = np.where(
-        measurement.mask, seen[1] ** 2 + multiple**2 * seen[0] ** 2, np.inf
-    )
-    axes = [axis for axis in (0, 1) if beat.shape[axis] > _APART]
-    steps = np.array([beat - np.roll(beat, _APART, axis) for axis in axes])
-    expected = np.array([noise + np.roll(noise, _APART, axis) for axis in axes])
+    squares, expected = beat_steps(measurement, seen)
     clear = expected < _CLEAR
     if clear.sum() < _FEW:
         return 0.0
     expected = np.median(expected[clear])
-    excess = np.median(centred(steps[clear]) ** 2) / _MEDIAN - expected
-    least = max(_EXCESS * expected, 2 * (1 + multiple**2) * _LEAST**2)
-    return float(np.sqrt(excess / 2 / (1 + multiple**2))) if excess > least else 0.0
+    excess = np.median(squares[clear]) / _MEDIAN - expected
+    both = 2 * (1 + round(np.divide(*measurement.frequencies[::-1])) ** 2)
+    least = max(_EXCESS * expected, both * _LEAST**2)
+    return float(np.sqrt(excess / both)) if excess > least else 0.0
+
+
+def beat_steps(measurement: Measurement, noise: Array) -> tuple[Array, Array]:
+    """Squared differences (N,), rad^2, of beats of pixels two apart, and what ``noise`` expects.
+
+    Infinite is expected of masked pixels, and where depth would move a beat.
+    """
+    low, high = measurement.frequencies
+    multiple = round(high / low)
+    beat = measurement.phase[1] - multiple * measurement.phase[0]
+    valid = measurement.mask & (abs(high / low - multiple) <= _SLOW)
+    variance = np.where(valid, noise[1] ** 2 + multiple**2 * noise[0] ** 2, np.inf)
+    axes = [axis for axis in (0, 1) if beat.shape[axis] > _APART]
+    steps = np.array([beat - np.roll(beat, _APART, axis) for axis in axes])
+    expected = np.array([variance + np.roll(variance, _APART, axis) for axis in axes])
+    return centred(steps) ** 2, expected
 
 
 def seen_noise(measurement: Measurement) -> Array:
     """Phase noise (F, H, W), rad, by residuals of cosines fitted to K steps: ``sqrt(2 / K) s / a``.
 
-    The noise s of a sample is that of the fit's residual, a the amplitude. It is one radian where
-    only phases or three steps were kept, infinite without signal.
+    The noise s of a sample is that of the fit's residual, a the amplitude. It is infinite without
+    signal. Where only phases or three steps were kept, a s is found for which beats two pixels
+    apart differ as they do, or else one radian.
     """
     dataset = measurement.dataset
     if "correlation" not in dataset or dataset.sizes["step"] < 4:
-        return np.where(measurement.amplitude > 0, 1.0, np.inf)
+        return _noise_of_phases(measurement)
     psi = dataset["psi"].to_numpy()
     sample = np.array([*map(_sample_noise, dataset["correlation"].to_numpy(), psi)])
     linear = np.sqrt(2 / psi.shape[1]) * sample[:, None, None]
     return quotient(linear, measurement.amplitude, np.inf)
+
+
+def _noise_of_phases(measurement: Measurement) -> Array:
+    """Phase noise (F, H, W), rad, that falls with the amplitude, by `beat_steps`; or 1."""
+    amplitude = measurement.amplitude
+    relative = quotient(np.ones_like(amplitude), amplitude, np.inf)
+    if len(amplitude) == 2:
+        squares, expected = beat_steps(measurement, relative)
+        finite = np.isfinite(expected)
+        if finite.sum() > _FEW:
+            clear = expected <= np.median(expected[finite])
+            power = np.median(squares[clear] / expected[clear]) / _MEDIAN
+            return np.maximum(np.sqrt(max(power, 1e-12)) * relative, _LEAST)
+    return np.where(amplitude > 0, 1.0, np.inf)
 
 
 def _sample_noise(images: NDArray, psi: Array) -> float:

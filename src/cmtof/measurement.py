@@ -72,7 +72,11 @@ class Measurement:
         amplitude: ArrayLike | None = None,
         **more: Any,
     ) -> "Measurement":
-        """Measurement of phase maps (F, H, W), rad, where correlations were not kept."""
+        """Measurement of phase maps (F, H, W), rad, where correlations were not kept.
+
+        The noise of a pixel is taken to fall with its ``amplitude`` (F, H, W), in any unit. How
+        large it is, the beats of neighbours tell.
+        """
         variables = {"phase": phase, "amplitude": amplitude}
         coordinates = {"frequency": _variable("frequency", frequencies)}
         return cls(_dataset(variables, coordinates, more))

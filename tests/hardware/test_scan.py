@@ -202,7 +202,7 @@ def test_more_light_than_allowed_ends_the_scan_before_the_first_lit_line(
     stronger, share
 ):
     twin = TwinSettings(laser_power=stronger * TwinSettings().laser_power)
-    with refused("of 0.004 to 4 mW sent out, got", Unsafe):
+    with refused("e-05 to 4 mW sent out, got", Unsafe):
         take(rig=replace(RIG, emitted_share=share * RIG.emitted_share), twin=twin)
     assert recorded() == 2  # the header and the dark line
 

@@ -3,6 +3,7 @@
 import signal
 import subprocess
 import sys
+import time
 from dataclasses import replace
 from functools import partial
 from pathlib import Path
@@ -13,7 +14,7 @@ from refusals import refused
 from wire import RIG, TODAY, WALL, with_device
 
 from cmtof.hardware.connect import DARK_FIRST, connected_bench, connected_driver
-from cmtof.hardware.device import ConnectionLost, InstrumentError, Refused
+from cmtof.hardware.device import ConnectionLost, InstrumentError, Refused, Unsafe
 from cmtof.hardware.plan import plan_scan
 from cmtof.hardware.scan import scan
 from cmtof_lab.rehearsal import simulated_bench
@@ -151,6 +152,20 @@ def test_a_read_out_whose_power_comes_back_is_dark_once_that_is_saved(world, lit
     lit.save_power_up_state()
     world.models["daq"].cycle_power()
     assert not world.lit
+
+
+def test_all_goes_dark_when_the_interlock_opens_while_a_person_is_asked(
+    world, monkeypatch
+):
+    def press_enter(text):
+        world.panel.interlock_closed = False
+        while world.lit:
+            time.sleep(0.01)
+
+    monkeypatch.setattr("builtins.input", press_enter)
+    with refused("the interlock closed", Unsafe), connected_bench(world.rig) as bench:
+        bench.switch("laser", True)
+        bench.ask("Enter? ")
 
 
 def test_a_program_whose_terminal_is_closed_ends_in_the_dark(world):

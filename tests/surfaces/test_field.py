@@ -2,6 +2,7 @@
 
 import numpy as np
 from exact_scenes import COLUMNS, SHAPE, plane_frame
+from numpy.testing import assert_allclose
 from pytest import approx, mark
 
 from cmtof.bounds import simulated_phase_noise
@@ -43,6 +44,13 @@ def test_noise_that_no_residual_shows_is_found_by_the_beats_of_neighbours(hidden
     told = np.median(field.information)
     assert told == approx(1 / (seen**2 + hidden**2), rel=0.1)
     assert np.median(abs(field.phasor)) == approx(told, rel=0.02)
+
+
+@mark.parametrize("noise", [300.0, 1200.0])
+def test_phases_and_amplitudes_tell_the_noise_that_residuals_show(noise):
+    m = simulate(plane_frame((0.2, 0.1, 1), 0.2 + 0.005 * COLUMNS), noise=noise)
+    kept = Measurement.from_phase(m.phase, FREQUENCIES, amplitude=m.amplitude / 7)
+    assert_allclose(seen_noise(kept), seen_noise(m), rtol=0.03)
 
 
 @mark.parametrize(

@@ -178,7 +178,7 @@ class Motor(Device):
                 if waiting:
                     waiting()
                 time.sleep(_POLL)
-        except BaseException:  # Ctrl-C, too
+        except InstrumentError:
             self.safe_state()
             raise
 

@@ -1,8 +1,9 @@
 """The bench: devices of a rig by role, and the steps of a scan with checks."""
 
 from collections.abc import Callable, Iterable, Sequence
+from concurrent.futures import ThreadPoolExecutor
 from itertools import repeat
-from threading import Thread
+from threading import Event
 from time import monotonic, sleep, time
 from typing import Any
 
@@ -26,7 +27,7 @@ from cmtof.types import Array, Counts, Named, Values
 
 ATTEMPTS = 3  # at a line before lost samples or a missed edge are an error
 WATCHDOG = 5  # s without a request, after which the read-out makes itself dark
-FAINTEST = 1e-3  # share of the power allowed, below which the laser counts as off
+FAINTEST = 1e-7  # W at the meter, below which the laser counts as off
 RAMP = (-20.0, -10.0, -6.0, -3.0, 0.0)  # dB: steps by which RF comes up to its power
 
 
@@ -88,12 +89,29 @@ class Bench(EmergencyStop):
             self.feed()
 
     def ask(self, text: str) -> None:
-        """Wait until a person presses Enter, while the watchdogs are kept from expiring."""
-        answer = Thread(target=input, args=[text], daemon=True)
-        answer.start()
-        while answer.is_alive():
-            answer.join(self._silence / 8)
-            self.feed()
+        """Wait until a person presses Enter, while the watchdogs are kept from expiring.
+
+        All goes dark at once if the interlock opens meanwhile, and the error is raised after Enter.
+        """
+        answered = Event()
+        with ThreadPoolExecutor(1) as pool:
+            feeding = pool.submit(self._feed_until, answered)
+            try:
+                input(text)
+            finally:
+                answered.set()
+        feeding.result()
+
+    def _feed_until(self, answered: Event) -> None:
+        """Reset the watchdogs, also of RF drives that tripped, until an event; or go dark."""
+        try:
+            while not answered.wait(self._silence / 8):
+                self.check_interlock()  # any request feeds the read-out's watchdog
+                for rf in self.rf:
+                    rf.status()
+        except OSError:
+            self._make_safe()
+            raise
 
     def check_interlock(self) -> None:
         """Raise `Unsafe` when the interlock is open."""
@@ -287,7 +305,7 @@ class Bench(EmergencyStop):
         metered = self.power_meter.power
         emitted = self.rig.emitted_share * metered
         limit = self.rig.power_limit
-        least = max(FAINTEST * limit, self._brightest / 2)
+        least = max(self.rig.emitted_share * FAINTEST, self._brightest / 2)
         if not least <= emitted <= limit:
             raise Unsafe(
                 f"Expected laser power of {1e3 * least:.3g} to {1e3 * limit:g} mW sent out, "

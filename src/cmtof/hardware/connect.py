@@ -7,10 +7,11 @@ from pathlib import Path
 from typing import Any, TextIO
 
 from cmtof.hardware.bench import Bench
-from cmtof.hardware.device import BadReply, ConnectionLost, InstrumentTimeout, insist
+from cmtof.hardware.device import ConnectionLost, insist
 from cmtof.hardware.log import Logged
 from cmtof.hardware.modbus import Feedback
 from cmtof.hardware.rig import LIGHT, Rig
+from cmtof.hardware.safety import EmergencyStop
 
 # Devices that may still emit light or RF after a killed scan; they are connected first, each also
 # if another one cannot be reached.
@@ -31,14 +32,15 @@ def connected_bench(rig: Rig, log: Path | None = None) -> Iterator[Bench]:
         def reach(role: str) -> None:
             device = connected_driver(rig, role, text)
             devices[role] = reached.enter_context(closing(device))
-            try:
-                device.identify()
-            except (BadReply, InstrumentTimeout):
-                device.safe_state()  # it may be lit, and hear more than it can say
-                raise
+            device.identify()
             device.safe_state()
 
-        insist(*(partial(reach, role) for role in DARK_FIRST), tries=1)
+        try:
+            insist(*(partial(reach, role) for role in DARK_FIRST), tries=1)
+        except OSError:
+            # one that tells no name may yet be lit, and hear more than it can say
+            with EmergencyStop(devices.values()):
+                raise
         for role in rig.devices:
             if role not in DARK_FIRST:
                 reach(role)
@@ -92,7 +94,6 @@ def read_out(rig: Rig, connection: Any, **named: str) -> Any:
         daq.stream = rf.open_serial(stream, rig.devices["daq"].timeout)
     except ConnectionLost:
         with closing(connection):
-            daq.identify()
-            daq.safe_state()
+            insist(daq.identify, daq.safe_state, tries=1)
         raise
     return daq

@@ -51,8 +51,14 @@ class EmergencyStop:
     def __exit__(
         self, kind: object, error: BaseException | None, trace: object
     ) -> None:
-        for number in self._previous:
-            signal.signal(number, signal.SIG_IGN)
+        try:
+            for number in self._previous:
+                signal.signal(number, signal.SIG_IGN)
+        finally:  # also if a signal comes here
+            self._stop(error)
+
+    def _stop(self, error: BaseException | None) -> None:
+        """Make all devices safe; raise `Unsafe`, after ``error``, if some are not."""
         failures = self._make_safe()
         atexit.unregister(self.__exit__)
         for number, previous in self._previous.items():

@@ -32,11 +32,12 @@ from cmtof.measurement import Measurement, open_measurement
 from cmtof.types import Named
 
 
-def finished_measurement(output: Path, plan: Plan, about: Named) -> Measurement:
+def finished_measurement(output: Path, plan: Plan, bench: object) -> Measurement:
     """Measurement of a finished scan; a ValueError if its settings are not the plan's.
 
-    ``about`` is what a bench says of itself, such as the seed of a simulated one.
+    Or not the bench's, as the seed of a simulated one; real devices are not opened for it.
     """
+    about = getattr(bench, "about", {"source": "instrument"})
     measurement = open_measurement(output)
     old = measurement.dataset.attrs
     check_settings(
@@ -75,10 +76,10 @@ def scan(
             "Go on with --resume, or remove it to begin again."
         )
     mode = None
+    if resume and output.exists() and not path.exists():
+        # the journal goes when the file is whole
+        return finished_measurement(output, plan, bench())
     with bench() as on:
-        if resume and output.exists() and not path.exists():
-            # the journal goes when the file is whole
-            return finished_measurement(output, plan, on.about)
         header = {
             "version": __version__,
             **on.about,
