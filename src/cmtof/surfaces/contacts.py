@@ -95,12 +95,11 @@ def _crossings(label: Numbers) -> tuple[Numbers, Numbers]:
     pixels = np.arange(label.size).reshape(label.shape)
     here = np.append(pixels[:-1], pixels[:, :-1])  # above, then to the left of a border
     beyond = np.append(pixels[1:], pixels[:, 1:])
-    at = np.array([here, beyond])
-    pairs = label.ravel()[at]
-    crossed = (pairs.min(axis=0) >= 0) & (pairs[0] != pairs[1])
-    order = pairs[:, crossed].argsort(axis=0)
-    at = np.take_along_axis(at[:, crossed], order, axis=0)
-    return label.ravel()[at], at
+    flat = label.ravel()
+    at = np.where(flat[here] < flat[beyond], [here, beyond], [beyond, here])
+    pairs = flat[at]
+    crossed = (pairs[0] >= 0) & (pairs[0] != pairs[1])
+    return pairs[:, crossed], at[:, crossed]
 
 
 def _jumps(

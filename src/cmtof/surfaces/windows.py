@@ -86,23 +86,16 @@ def spectral_slopes(
 ) -> Array:
     """Slopes (2, N) down and right, rad/px, at the joint peak of both spectra of each square."""
     squares = sliding_window_view(field.phasor, (side, side), axis=(1, 2))
-    return _peaks(squares[:, top, left], next_fast_len(finer * side), field.ratio)  # pyright: ignore[reportArgumentType]
-
-
-def _peaks(squares: Array, size: int, ratio: float) -> Array:
-    """Slopes (2, N), rad/px, at the joint peaks of spectra of that size of squares (2, N, h, h)."""
+    size = next_fast_len(finer * side)
     whole = np.rint(fftfreq(size) * size)
-    higher = np.rint(ratio * whole).astype(int)
+    higher = np.rint(field.ratio * whole).astype(int)
     higher %= size
-    rows = fft(squares, size)  # before rows of zeros are added
+    rows = fft(squares[:, top, left], size)  # before rows of zeros are added
     spectrum = fft(rows, size, axis=-2)
     low, high = spectrum.real**2 + spectrum.imag**2  # pyright: ignore[reportAttributeAccessIssue]
-    moved = high.take(higher, 1).take(higher, 2)
-    joint = low + moved
-    joint = joint.reshape(-1, size**2)
-    best = joint.argmax(axis=1)
-    peak = np.array(np.divmod(best, size))
-    return TAU * whole[peak] / size
+    joint = low + high.take(higher, 1).take(higher, 2)
+    best = joint.reshape(-1, size**2).argmax(axis=1)
+    return TAU * whole[np.array(np.divmod(best, size))] / size
 
 
 @njit()
