@@ -44,22 +44,20 @@ def blocks_of_boxes(boxes):  # pragma: no cover - compiled
 
 
 @njit()
-def functions_of_blocks(field, places):  # pragma: no cover - compiled
-    """Functions (6, N) that sum to 1 / z, mid-block: cosine times u, v, 1, u^2, u v, v^2."""
+def depths_of_blocks(field, q, places):  # pragma: no cover - compiled
+    """Depth (N,), m, of a surface mid-block, and functions (6, N), of which q makes 1 / z there.
+
+    They are the cosine times u, v, 1, u^2, u v, v^2.
+    """
     y, x = places.T
     v = (field.v[y] + field.v[y + SIDE - 1]) / 2
     u = (field.u[x] + field.u[x + SIDE - 1]) / 2
     functions = np.stack((u, v, np.ones(u.size), u * u, u * v, v * v))
-    return functions / np.sqrt(1 + u * u + v * v)
-
-
-@njit()
-def depths_of_blocks(q, functions):  # pragma: no cover - compiled
-    """Depth (N,), m, of a surface in the middle of blocks, by the functions (6, N) there."""
-    inverse = np.zeros(functions.shape[1])
+    functions /= np.sqrt(1 + u * u + v * v)
+    inverse = np.zeros(u.size)
     for i in range(BENT):
         inverse += q[i] * functions[i]
-    return 1 / np.maximum(inverse, FARTHEST)
+    return 1 / np.maximum(inverse, FARTHEST), functions
 
 
 @njit()

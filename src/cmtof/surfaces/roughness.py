@@ -14,6 +14,7 @@ from cmtof.compiled import njit
 from cmtof.correlation import TAU
 from cmtof.surfaces.blocks import unit_phasor
 from cmtof.surfaces.field import CELL, Field, pixels_of_cells
+from cmtof.surfaces.shapes import depth_of_labels
 from cmtof.types import Array, Arrays, Flags, Numbers
 
 _EVEN = 0.02  # roughness, rad^2, that an even surface shows as well
@@ -40,18 +41,19 @@ class Cells(NamedTuple):
 
 
 def cells_of_surfaces(
-    field: Field, inner: Numbers, depth: Array, count: int, side: int = CELL
+    field: Field, inner: Numbers, surfaces: Array, side: int = CELL
 ) -> Cells:
-    """Phasors turned back by the depth, m, of surfaces, and how rough these are."""
+    """Phasors turned back by the depth of their surface (N, 7), and how rough these are."""
     main = _middles(inner, side)
     whole = pixels_of_cells(main, side)
     label = np.where(whole == inner, inner, -1)
     chosen = label >= 0
+    depth = depth_of_labels(field, inner, surfaces)
     turned = np.where(chosen, turn_back(field, depth), 0)
     weights = np.where(chosen, field.information, 0)
     information = sum_cells(weights.astype(float), side)
     sums = sum_cells(turned, side)
-    rough = roughness(main, sums, information, count)
+    rough = roughness(main, sums, information, len(surfaces))
     return Cells(main, label, turned, sums, information, rough)
 
 

@@ -82,11 +82,15 @@ def _sums(image: Array, corner: Numbers, side: int) -> Array:
 
 
 def spectral_slopes(
-    field: Field, top: Numbers, left: Numbers, side: int, finer: int
+    field: Field,
+    top: Numbers,
+    left: Numbers,
+    side: int,
+    finer: int,
 ) -> Array:
     """Slopes (2, N) down and right, rad/px, at the joint peak of both spectra of each square."""
     squares = sliding_window_view(field.phasor, (side, side), axis=(1, 2))
-    size = next_fast_len(finer * side)
+    size: int = next_fast_len(finer * side)  # pyright: ignore[reportAssignmentType]
     whole = np.rint(fftfreq(size) * size)
     higher = np.rint(field.ratio * whole).astype(int)
     higher %= size
