@@ -41,25 +41,19 @@ def windows(
 
     They come some at a time, so that no spectrum is taken where the first ones grew.
     """
-    corner = _clearest(field, owner, side, stride)
-    margin = (side - core) // 2
+    height, width = np.array(field.cosine.shape) - side + 1
+    corner = np.mgrid[:height:stride, :width:stride].reshape(2, -1)
+    corner = corner[:, _are_free(owner, corner, side)]
+    totals = _sums(field.information.sum(axis=0, dtype=float), corner, side)
+    order = np.argsort(-totals, kind="stable")
+    corner = corner[:, order[totals[order] >= _LEAST]]
     for start in range(0, len(corner[0]), _AT_ONCE):
         some = corner[:, start : start + _AT_ONCE]
         # rows in one piece, as Numba compiled for
         some = some.compress(_are_free(owner, some, side), axis=1)
-        slopes = spectral_slopes(field, *(some + margin), core, finer)  # pyright: ignore[reportCallIssue]
+        core_corner = some + (side - core) // 2
+        slopes = spectral_slopes(field, *core_corner, core, finer)  # pyright: ignore[reportCallIssue]
         yield *some, np.full_like(some[0], side), *slopes
-
-
-def _clearest(field: Field, owner: Numbers, side: int, stride: int) -> Numbers:
-    """Top and left (2, N) of windows with enough information, most of it first."""
-    height, width = np.array(field.cosine.shape) - side + 1
-    corner = np.mgrid[:height:stride, :width:stride].reshape(2, -1)
-    corner = corner[:, _are_free(owner, corner, side)]
-    information = field.information.sum(axis=0, dtype=float)
-    totals = _sums(information, corner, side)
-    order = np.argsort(-totals, kind="stable")
-    return corner[:, order[totals[order] >= _LEAST]]
 
 
 def _are_free(owner: Numbers, corner: Numbers, side: int) -> Flags:
