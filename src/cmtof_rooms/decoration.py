@@ -10,7 +10,7 @@ import numpy as np
 from trimesh import Trimesh
 
 from cmtof_rooms.boxes import Box
-from cmtof_rooms.kit import Kit, Piece, Solids, Top
+from cmtof_rooms.kit import Kit, Piece, Solids
 from cmtof_rooms.materials import Material
 from cmtof_rooms.presets import presets
 from cmtof_rooms.solids import (
@@ -240,7 +240,7 @@ def stack(
     for z0, z1 in pairwise(space.z1 * np.unique([0.0, *shares, 1.0])):
         layer = space.cut(z0=z0, z1=z1 - 1e-3)
         yield material, _case(kit, layer) if number > 1 else layer
-    yield Top(Box.standing(space.size / [1.5, 1.5, 1]), 0.4)
+    yield Box.standing([*space.size[:2] / 1.5, 0.4], (0, 0, space.z1))
 
 
 def _case(kit: Kit, space: Box) -> Trimesh:

@@ -6,7 +6,7 @@ import numpy as np
 
 from cmtof.types import Array, Fields, Values
 from cmtof_rooms.boxes import Box, Boxes
-from cmtof_rooms.kit import Kit, Top, weighted_choice
+from cmtof_rooms.kit import Kit, weighted_choice
 from cmtof_rooms.makers import MAKERS
 from cmtof_rooms.presets import presets
 from cmtof_rooms.shell import Shell
@@ -65,10 +65,10 @@ class Furnishing:
         place = self._find(kind, size)
         if place is None:
             return
-        tops = self._stand(name, size, place)
+        spaces = self._stand(name, size, place)
         for other, limits in kind.get("around", {}).items():
             self._seat(other, self.kit.count(limits), place, size)
-        self._decorate(tops, kind.get("upon", {}), place)
+        self._decorate(spaces, kind.get("upon", {}), place)
 
     def _size(self, name: str) -> Extents:
         """Draw a size of a kind, m, that fits under the ceiling."""
@@ -76,22 +76,22 @@ class Furnishing:
         size[2] = min(size[2], self.shell.height - self.shell.lowest - 0.01)
         return size
 
-    def _stand(self, name: str, size: Extents, place: Place) -> list[Top]:
-        """Make a thing, stand it at a place, and return its tops, on which others can stand."""
+    def _stand(self, name: str, size: Extents, place: Place) -> Boxes:
+        """Make a thing, stand it at a place, and return the free spaces on it, in its frame."""
         kind = _kind(name)
         make = MAKERS[kind["maker"]]
         parts = []
-        tops = []
+        spaces = []
         for made in make(self.kit, Box.standing(size), **kind.get("make", {})):
-            if isinstance(made, Top):
-                tops.append(made)
+            if isinstance(made, Box):
+                spaces.append(made)
             elif isinstance(made, Light):
                 middle = place.carry(made.centre)
                 self.lights.append(made._replace(centre=middle, colour=WARM))
             else:
                 parts += place.parts(*self.kit.part(*made))
         self.things.append(Thing(name, parts))
-        return tops
+        return spaces
 
     def _seat(self, name: str, count: int, place: Place, size: Extents) -> None:
         """Stand seats along the two long sides of a table, or at the front of a desk."""
@@ -110,22 +110,22 @@ class Furnishing:
             if self._take(area, area, self.shell.keep):
                 self._stand(name, seat, spot)
 
-    def _decorate(self, tops: list[Top], counts: Values, place: Place) -> None:
-        """Stand things on the tops of another, each kind about as often as ``counts`` has it."""
-        surfaces = [(top, []) for top in tops]
+    def _decorate(self, spaces: Boxes, counts: Values, place: Place) -> None:
+        """Stand things in the free spaces on another, each kind about as often as ``counts``."""
+        shelves = [(space, []) for space in spaces]
         for name, mean in counts.items():
             for _ in range(self._times(mean)):
-                self._stand_upon(name, place, *self.kit.pick(surfaces))
+                self._stand_upon(name, place, *self.kit.pick(shelves))
 
-    def _stand_upon(self, name: str, place: Place, top: Top, used: Boxes) -> None:
-        """Make a thing and stand it on a top beside what stands there, if it fits."""
+    def _stand_upon(self, name: str, place: Place, space: Box, used: Boxes) -> None:
+        """Make a thing and stand it in a free space beside what stands there, if it fits."""
         for _ in range(4):
             size = self._size(name)
-            if (size > [*top.area.size[:2], top.room - 0.02]).any():
+            if (size > space.size - [0, 0, 0.02]).any():
                 continue
-            low = top.area.low + size / 2
-            high = top.area.high - size / 2
-            foot = np.append(self.kit.rng.uniform(low[:2], high[:2]), top.area.z1)
+            low = space.low + size / 2
+            high = space.high - size / 2
+            foot = np.append(self.kit.rng.uniform(low[:2], high[:2]), space.z0)
             area = Box.standing(size, foot)
             if not area.meets(used):
                 used.append(area)

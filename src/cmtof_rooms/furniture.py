@@ -10,7 +10,7 @@ import numpy as np
 from trimesh import Trimesh
 
 from cmtof_rooms.boxes import Box
-from cmtof_rooms.kit import Kit, Piece, Top
+from cmtof_rooms.kit import Kit, Piece
 from cmtof_rooms.materials import Material
 from cmtof_rooms.solids import (
     ball,
@@ -59,7 +59,7 @@ def table(
         yield wood, below.inset(x=0.04, y=0.025 * depth).ends("x", 0.04)
     else:
         yield from _four_legs(kit, wood, below)
-    yield Top(Box.standing(space.size * [reach, reach, 1]), 1.2)
+    yield Box.standing((reach * width, reach * depth, 1.2), (0, 0, height))
 
 
 def _four_legs(kit: Kit, wood: Material, space: Box) -> Piece:
@@ -177,7 +177,7 @@ def cabinet(
     if top:
         height += 0.03
         yield top, space.inset(y0=-0.015).cut(z0=space.z1, z1=height)
-    yield Top(inset.inset(y0=0.04, y1=0.03).cut(z1=height))
+    yield inset.inset(y0=0.04, y1=0.03).cut(z0=height, z1=height + 1.0)
 
 
 def shelf(kit: Kit, space: Box, *, fill: float, bay: float = 0.9) -> Piece:
@@ -202,8 +202,8 @@ def shelf(kit: Kit, space: Box, *, fill: float, bay: float = 0.9) -> Piece:
         if kit.chance(fill):
             yield from _books(kit, one.inset(y1=0.02))
         else:
-            yield Top(one.inset(y1=0.03).cut(z1=one.z0), one.size[2])
-    yield Top(space, 0.5)
+            yield one.inset(y1=0.03)
+    yield space.cut(z0=height, z1=height + 0.5)
 
 
 def _books(kit: Kit, space: Box) -> Piece:

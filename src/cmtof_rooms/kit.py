@@ -1,12 +1,13 @@
 """What makers of furniture work with: random numbers, materials, and what they yield.
 
 A maker fills a `Box` that stands on z = 0 about the z axis, its front towards -y. It yields the
-solids of a piece of furniture, tops on which other things can stand, and the light of a lamp.
+solids of a piece of furniture, boxes of free space on it where other things can stand, and the
+light of a lamp.
 """
 
 from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import dataclass
-from typing import Any, NamedTuple
+from typing import Any
 
 import numpy as np
 from numpy.random import Generator
@@ -19,18 +20,10 @@ from cmtof_rooms.presets import presets
 from cmtof_rooms.solids import join
 from cmtof_rooms.things import Light, Part, Solid, meshes_of
 
-
-class Top(NamedTuple):
-    """Where things can stand: the upper side of a box."""
-
-    area: Box
-    room: float = 1.0  # free height above it, m
-
-
 # Solids of one material, or of one drawn for a role, which become a part.
 Solids = tuple[Material | str, *tuple[Solid, ...]]
 
-Piece = Iterator[Solids | Top | Light]  # A piece of furniture as its maker yields it
+Piece = Iterator[Solids | Box | Light]  # A piece of furniture as its maker yields it
 
 
 @dataclass(frozen=True)
@@ -59,7 +52,7 @@ class Kit:
 
     def pick(self, items: Sequence) -> Any:
         """Draw one of several items."""
-        return items[int(self.rng.integers(len(items)))]
+        return items[self.rng.integers(len(items))]
 
     def between(self, low: float, high: float) -> float:
         """Draw a number evenly between two limits."""
@@ -75,8 +68,7 @@ class Kit:
 
     def count(self, limits: Sequence[int]) -> int:
         """Draw a whole number evenly from the lowest to the highest."""
-        low, high = limits
-        return int(self.rng.integers(low, high, endpoint=True))
+        return int(self.rng.integers(*limits, endpoint=True))
 
     def chance(self, share: float) -> bool:
         """Draw whether something happens that does so in a share of cases."""

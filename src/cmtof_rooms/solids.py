@@ -11,6 +11,7 @@ from numpy.typing import ArrayLike
 from trimesh import Trimesh
 
 from cmtof.types import Array, Numbers
+from cmtof_rooms.boxes import Box
 
 # Corners of a unit cube about the origin.
 _CORNERS = np.indices((2, 2, 2)).reshape(3, 8).T - 0.5
@@ -42,9 +43,8 @@ def slab(*limits: float) -> Trimesh:
     >>> slab(0, 1, 0, 2, 1, 4).bounds.tolist()
     [[0.0, 0.0, 1.0], [1.0, 2.0, 4.0]]
     """
-    low, high = np.reshape(limits, (3, 2)).T
-    middle = (low + high) / 2
-    return mesh_from(middle + _CORNERS * (high - low), _BOX_FACES)
+    box = Box(*limits)
+    return mesh_from(box.middle + _CORNERS * box.size, _BOX_FACES)
 
 
 def extrusion(outline: ArrayLike, height: float) -> Trimesh:
@@ -91,19 +91,16 @@ def plate(
     >>> wall.is_watertight, round(float(wall.volume), 6)
     (True, 1.6)
     """
-    cut = np.array(holes, float).reshape(-1, 4)
-    x = _lines(width, cut[:, :2])
-    z = _lines(height, cut[:, 2:])
-    number = np.arange(len(x) * len(z)).reshape(len(x), -1)
-    cells = cells_of(number)
-    whole = np.ones(cells.shape[:2], bool)
-    for hole in cut:
-        across = slice(*np.searchsorted(x, hole[:2]))
-        upright = slice(*np.searchsorted(z, hole[2:]))
-        whole[across, upright] = False
+    cut = np.array(holes, float).reshape(-1, 2, 2)
+    x = _lines(width, cut[:, 0])
+    z = _lines(height, cut[:, 1])
+    points = np.array([*product(x, z)])
+    cells = cells_of(np.arange(len(points)).reshape(len(x), -1)).reshape(-1, 4)
+    corner = points[cells[:, 0], None]  # the lowest one of each cell
+    cut_out = ((cut[..., 0] <= corner) & (corner < cut[..., 1])).all(-1).any(-1)
     flat = trimesh.creation.extrude_triangulation(
-        [*product(x, z)],
-        triangles_of(cells[whole]),
+        points,
+        triangles_of(cells[~cut_out]),
         thickness,
     )
     # (x, z, y) to (x, y, z) is a reflection
