@@ -32,7 +32,7 @@ def lamp(kit: Kit, space: Box, *, style: str = "stand") -> Piece:
     radius = min(space.x1, space.y1)
     shade = kit.material("shade")._replace(emission=1.0)
     if style == "panel":
-        yield level_light((0, 0, -0.01), radius, radius, 1.0)
+        yield level_light((0, 0, -0.01), radius, 1.0)
         yield shade, space
         return
     tall, narrow = kit.draw("shade")
@@ -43,12 +43,11 @@ def lamp(kit: Kit, space: Box, *, style: str = "stand") -> Piece:
     if style == "stand":
         foot = min(0.7 * radius, 0.16)
         stand = [(foot, 0), (foot, 0.02), (0.012, 0.03), (0.012, height - tall)]
-        half = 0.5 * narrow
-        yield level_light((0, 0, height + 0.05), half, half, 1.0, 0.0)
+        yield level_light((0, 0, height + 0.05), 0.5 * narrow, 1.0, 0.0)
         yield metal, revolution(stand)
         yield shade, move(cone, (0, 0, height - tall))
     else:
-        yield level_light((0, 0, -0.03), radius, radius, 1.0)
+        yield level_light((0, 0, -0.03), radius, 1.0)
         globe = move(ball((radius, radius, tall / 2)), (0, 0, tall / 2))
         yield shade, globe if kit.chance(0.4) else cone
         yield metal, sweep([(0, 0, tall), (0, 0, height)], 0.008, 6)
@@ -108,7 +107,7 @@ def cloth(
     yield "fabric", sheet(np.stack([x, y, z], -1), thickness)
 
 
-def rug(kit: Kit, space: Box) -> Iterator[Solids]:
+def rug(kit: Kit, space: Box) -> Piece:
     """A rug on the floor, a fifth of them oval."""
     x0, x1, y0, y1 = space[:4]
     corners = [(x0, y0), (x1, y0), (x1, y1), (x0, y1)]

@@ -59,16 +59,24 @@ class Furnishing:
         return int(min(self.kit.rng.poisson(mean), 2 * mean + 1))
 
     def _furnish(self, name: str) -> None:
-        """Make one thing of a kind with what belongs to it, if there is a place for it."""
+        """Make one thing of a kind with what belongs to it, if a free place is found for it."""
         kind = _kind(name)
         size = self._size(name)
-        place = self._find(kind, size)
-        if place is None:
-            return
-        spaces = self._stand(name, size, place)
-        for other, limits in kind.get("around", {}).items():
-            self._seat(other, self.kit.count(limits), place, size)
-        self._decorate(spaces, kind.get("upon", {}), place)
+        foot = self.kit.between(*kind["over"]) if "over" in kind else 0.0
+        for _ in range(TRIES):
+            match kind["at"]:
+                case "free" | "flat":
+                    place = self._on_floor(kind, size)
+                case "ceiling":
+                    place = self._under_ceiling(size)
+                case _:
+                    place = self._at_wall(kind, size, foot)
+            if place is not None:
+                spaces = self._stand(name, size, place)
+                for other, limits in kind.get("around", {}).items():
+                    self._seat(other, self.kit.count(limits), place, size)
+                self._decorate(spaces, kind.get("upon", {}), place)
+                return
 
     def _size(self, name: str) -> Extents:
         """Draw a size of a kind, m, that fits under the ceiling."""
@@ -79,10 +87,10 @@ class Furnishing:
     def _stand(self, name: str, size: Extents, place: Place) -> Boxes:
         """Make a thing, stand it at a place, and return the free spaces on it, in its frame."""
         kind = _kind(name)
-        make = MAKERS[kind["maker"]]
         parts = []
         spaces = []
-        for made in make(self.kit, Box.standing(size), **kind.get("make", {})):
+        maker = MAKERS[kind["maker"]]
+        for made in maker(self.kit, Box.standing(size), **kind.get("make", {})):
             if isinstance(made, Box):
                 spaces.append(made)
             elif isinstance(made, Light):
@@ -132,21 +140,6 @@ class Furnishing:
                 self._stand(name, size, place.at(*foot))
                 return
 
-    def _find(self, kind: Kind, size: Extents) -> Place | None:
-        """Draw a free place for a thing and take what floor and wall it needs, or give None."""
-        foot = self.kit.between(*kind["over"]) if kind["at"] == "hung" else 0.0
-        for _ in range(TRIES):
-            match kind["at"]:
-                case "free" | "flat":
-                    place = self._on_floor(kind, size)
-                case "ceiling":
-                    place = self._under_ceiling(size)
-                case _:
-                    place = self._at_wall(kind, size, foot)
-            if place is not None:
-                return place
-        return None
-
     def _take(self, space: Box, around: Box, clear: Boxes) -> bool:
         """Take the space of a thing on the floor if it is free; tell whether it is.
 
@@ -179,7 +172,7 @@ class Furnishing:
         x = self.kit.between(0.04, last)
         if kind["at"] == "corner":
             x = 0.04 if self.kit.chance(0.5) else last
-        gap = 0.002 if kind["at"] == "hung" else 0.03
+        gap = 0.002 if "over" in kind else 0.03
         spot = Box(x, x + width, -depth - gap, -gap, foot, foot + height)
         space = wall.in_room(spot)
         if spot.meets(wall.taken) or space.z1 > self.shell.headroom(space):
@@ -207,11 +200,12 @@ class Furnishing:
         corner = floor.low + margin + covered / 2
         middle = corner[:2] + self.kit.rng.beta(2, 2, 2) * spare
         space = Box.standing(covered, (*middle, 0.0))
-        if flat:
-            free = not space.meets(self.shell.keep)
-        else:
-            around = space.inset(x=-margin, y=-margin)
-            free = self._take(space, around, self.clear)
+        around = space.inset(x=-margin, y=-margin)
+        free = (
+            not space.meets(self.shell.keep)
+            if flat
+            else self._take(space, around, self.clear)
+        )
         return Place(*middle, turn=turn) if free else None
 
     def _under_ceiling(self, size: Extents) -> Place | None:

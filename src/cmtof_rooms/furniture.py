@@ -11,7 +11,6 @@ from trimesh import Trimesh
 
 from cmtof_rooms.boxes import Box
 from cmtof_rooms.kit import Kit, Piece
-from cmtof_rooms.materials import Material
 from cmtof_rooms.solids import (
     ball,
     ellipse,
@@ -38,15 +37,20 @@ def table(
     legs: str = "four",
     round_top: float = 0.0,
 ) -> Piece:
-    """A top on four legs, two panels, or a pedestal; ``round_top`` is the share of round ones."""
+    """A top on four legs, two panels, or a pedestal; ``round_top`` is the share of round ones.
+
+    Below the board of a high table with four legs are rails.
+    """
     width, depth, height = space.size
     thickness = min(kit.between(0.02, 0.05), height / 4)
     below = space.inset(z1=thickness)
     wood = kit.material("wood")
     reach = 0.9  # of the place for things, as a share of the size
     if kit.chance(round_top):
-        disc = extrusion(ellipse((width, depth)), thickness)
-        yield wood, move(disc, (0, 0, below.z1))
+        yield (
+            wood,
+            move(extrusion(ellipse((width, depth)), thickness), (0, 0, below.z1)),
+        )
         legs = "pedestal"
         reach = 0.63
     else:
@@ -58,18 +62,12 @@ def table(
     elif legs == "panel":
         yield wood, below.inset(x=0.04, y=0.025 * depth).ends("x", 0.04)
     else:
-        yield from _four_legs(kit, wood, below)
+        leg = min(kit.between(0.03, 0.07), width / 6, depth / 6)
+        yield wood, posts(below.inset(x=leg / 2, y=leg / 2), leg)
+        if below.z1 > 0.5:
+            rails = below.inset(x=leg, y=leg - 0.01).cut(z0=below.z1 - 0.11)
+            yield wood, rails.ends("y", 0.02)
     yield Box.standing((reach * width, reach * depth, 1.2), (0, 0, height))
-
-
-def _four_legs(kit: Kit, wood: Material, space: Box) -> Piece:
-    """Four legs and, below a high table's board, rails between them."""
-    width, depth, height = space.size
-    thickness = min(kit.between(0.03, 0.07), width / 6, depth / 6)
-    yield wood, posts(space.inset(x=thickness / 2, y=thickness / 2), thickness)
-    if height > 0.5:
-        rails = space.inset(x=thickness, y=thickness - 0.01)
-        yield wood, rails.cut(z0=height - 0.11).ends("y", 0.02)
 
 
 def chair(kit: Kit, space: Box, *, back: bool = True) -> Piece:

@@ -65,10 +65,10 @@ class Interior:
     faces : ndarray of int, shape (F, 3)
     normals : ndarray, shape (F, 3)
         Unit vectors, outwards.
-    part : ndarray of int, shape (F,)
-        Number of the part that each triangle belongs to.
-    instance : ndarray of int, shape (P,)
-        Number of the thing that each part belongs to, from 1 on.
+    part : ndarray of int, shape (F + 1,)
+        Number of the part that each triangle belongs to; the last is -1, for triangle -1, none.
+    instance : ndarray of int, shape (P + 1,)
+        Number of the thing that each part belongs to, from 1 on; the last is -1, for part -1.
     """
 
     def __init__(
@@ -86,8 +86,8 @@ class Interior:
         whole = join(part.mesh for part in parts)
         self.vertices = np.asarray(whole.vertices, np.float32)
         self.faces = whole.faces
-        self.part = _numbers([len(part.mesh.faces) for part in parts])
-        self.instance = _numbers([len(thing.parts) for thing in things]) + 1
+        self.part = _numbers(0, [len(part.mesh.faces) for part in parts])
+        self.instance = _numbers(1, [len(thing.parts) for thing in things])
         self.palette = Palette([part.material for part in parts])
         self.tracer = Tracer(self.vertices, self.faces)
         a, b, c = self.vertices.astype(np.float64)[self.faces].swapaxes(0, 1)
@@ -128,12 +128,11 @@ class Interior:
         color[missed] = self.sky
         seen.normal[missed] = 0.0
         seen.distance[missed] = np.nan
-        instance = np.where(missed, -1, self.instance[seen.part])
         return Picture(
             color,
             seen.distance.astype(np.float32),
             seen.normal,
-            instance.astype(np.int32),
+            self.instance[seen.part].astype(np.int32),
         )
 
     def _surface(self, eye: Array, rays: Array) -> Surface:
@@ -151,7 +150,7 @@ class Interior:
             along == 0, 1e-12, along
         )
         return Surface(
-            np.where(triangle >= 0, self.part[triangle], -1),
+            self.part[triangle],
             distance,
             np.abs(along),
             (eye + distance[..., None] * rays).astype(np.float32),
@@ -232,9 +231,9 @@ class Interior:
         return np.where(alike[..., None], found[lead], found)
 
 
-def _numbers(counts: list[int]) -> Numbers:
-    """Number of the group, from 0 on, for each item of groups with sizes ``counts``."""
-    return np.repeat(np.arange(len(counts)), counts)
+def _numbers(first: int, counts: list[int]) -> Numbers:
+    """Number of the group, from ``first`` on, of each item of groups with sizes ``counts``; -1."""
+    return np.append(np.repeat(np.arange(len(counts)) + first, counts), -1)
 
 
 def _tiles(shape: Shape) -> Numbers:

@@ -56,17 +56,17 @@ def _smooth_step(share: Array) -> Array:
 
 def _stripes(s: Array, t: Array) -> Array:
     """Stripes along t."""
-    return (s % 1 < 0.5).astype(np.float32)
+    return s % 1 < 0.5
 
 
 def _checks(s: Array, t: Array) -> Array:
     """Squares of both colours by turns."""
-    return ((np.floor(s) + np.floor(t)) % 2).astype(np.float32)
+    return (np.floor(s) + np.floor(t)) % 2
 
 
 def _tiles(s: Array, t: Array) -> Array:
     """Joints of square tiles."""
-    return np.maximum(s % 1 < 0.05, t % 1 < 0.05).astype(np.float32)
+    return (s % 1 < 0.05) | (t % 1 < 0.05)
 
 
 def _bricks(s: Array, t: Array) -> Array:
@@ -96,7 +96,7 @@ def _cloudy(s: Array, t: Array) -> Array:
 def _dots(s: Array, t: Array) -> Array:
     """Round dots in rows."""
     off_centre = (s % 1 - 0.5) ** 2 + (t % 1 - 0.5) ** 2
-    return (off_centre < 0.09).astype(np.float32)
+    return off_centre < 0.09
 
 
 # Share, 0 to 1, of the second colour at coordinates in periods; a plain material has no pattern.
@@ -166,7 +166,7 @@ class Palette:
             some = looks["pattern"] == name
             scale = looks["scale"][some]
             s, t = _coordinates(position[some] / scale[:, None], normal[some])
-            share = pattern(s, t)
+            share = pattern(s, t).astype(np.float32)
             fade = np.clip(2.5 * footprint[some] / scale - 0.5, 0, 1)
             share = (share + fade * (MEAN_SHARE - share)).astype(np.float32)[:, None]
             found[some] += share * (looks["second"][some] - found[some])

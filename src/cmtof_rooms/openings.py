@@ -52,7 +52,7 @@ def add_passage(kit: Kit, shell: Shell, wall: Wall) -> None:
     shell.beyond.append(Wall(wall.place.at(space.x0, far), length))
     lamp = wall.place.carry(space.cut(z0=ceiling - 0.06).middle)
     power = min(0.25 * length * depth, 2.0)
-    shell.lights.append(level_light(lamp, 0.4, 0.4, power))
+    shell.lights.append(level_light(lamp, 0.4, power))
 
 
 def _doorway(
@@ -136,13 +136,12 @@ def _glaze(
 
 
 def _daylight(wall: Wall, holes: Boxes, power: float) -> Light:
-    """One light for a row of windows."""
-    row = holes[0].cut(x1=holes[-1].x1)
-    x, _, z = row.middle
+    """One light for a row of windows, 1 cm before the wall."""
+    row = holes[0].cut(x1=holes[-1].x1, y0=-0.02, y1=0.0)
     half_x, _, half_z = row.size / 2
     along, outwards, up = turn_about_z(wall.place.turn)
     return Light(
-        wall.place.carry((x, -0.01, z)),
+        wall.place.carry(row.middle),
         along * half_x,
         up * half_z,
         -outwards,

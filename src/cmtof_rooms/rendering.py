@@ -97,13 +97,6 @@ class RenderedView(NamedTuple):
         return Frame(self.picture.depth, green, self.lens.camera, name)
 
 
-class Report(NamedTuple):
-    """What was done for one room."""
-
-    scene: str  # folder of the room
-    rendered: int  # views; those that were there already do not count
-
-
 def split_of(index: int) -> str:
     """Partition of a room: of ten, eight train, one validates, one tests.
 
@@ -222,13 +215,13 @@ def write_view(root: Path, view: View, **arrays: ArrayLike) -> None:
             part.write_bytes(content.getvalue())
 
 
-def render_room(root: Path, settings: Settings, index: int) -> Report:
-    """Write the views of one room that are not there yet."""
+def render_room(root: Path, settings: Settings, index: int) -> int:
+    """Write the views of one room that are not there yet, and return how many these were."""
     views = list_views(settings, index)
     missing = [view for view in views if not view_exists(root, view)]
     for seen in views_of_room(settings, index, missing) if missing else ():
         write_view(root, seen.view, **seen.picture._asdict())
-    return Report(room_name(settings.seed, index), len(missing))
+    return len(missing)
 
 
 def render_rooms(
@@ -236,8 +229,8 @@ def render_rooms(
     settings: Settings,
     *,
     workers: int | None = None,
-    progress: Callable[[Report], None] = lambda done: None,
-) -> list[Report]:
+    progress: Callable[[str], None] = lambda scene: None,
+) -> int:
     """Render a set of rooms; views that are there already are kept.
 
     Parameters
@@ -249,7 +242,12 @@ def render_rooms(
     workers : int, optional
         Processes; by default one a core.
     progress : callable
-        Called with each room as it is done.
+        Called with the name of each room as it is done.
+
+    Returns
+    -------
+    int
+        How many views were rendered.
 
     Raises
     ------
@@ -265,19 +263,23 @@ def render_rooms(
         )
         for index in range(settings.scenes)
     }
-    reports = []
+    rendered = 0
     root.mkdir(parents=True, exist_ok=True)
     with exclusive_lock(root, wait=True):
         _claim(root, settings)
         write_metadata(root, (settings.height, settings.width), scenes)
-        for report in _each(root, settings, workers):
-            progress(report)
-            reports.append(report)
-    return reports
+        counts = _each(root, settings, workers)
+        for scene, count in zip(scenes, counts, strict=True):
+            progress(scene)
+            rendered += count
+    return rendered
 
 
-def _each(root: Path, settings: Settings, workers: int | None) -> Iterator[Report]:
-    """Reports of rooms, rendered in order by one process or several; none begins after Ctrl-C."""
+def _each(root: Path, settings: Settings, workers: int | None) -> Iterator[int]:
+    """Render rooms in order by one process or several; none begins after Ctrl-C.
+
+    Yields how many views of each were rendered.
+    """
     render = partial(render_room, root, settings)
     if workers == 1:
         yield from map(render, range(settings.scenes))
@@ -286,8 +288,8 @@ def _each(root: Path, settings: Settings, workers: int | None) -> Iterator[Repor
     with ProcessPoolExecutor(workers, mp_context=spawn, initializer=_follow) as pool:
         try:
             with delay_interrupts():  # Ctrl-C is for the parent
-                reports = pool.map(render, range(settings.scenes))
-            yield from reports
+                counts = pool.map(render, range(settings.scenes))
+            yield from counts
         finally:
             pool.shutdown(cancel_futures=True)
 
