@@ -119,26 +119,26 @@ class Furnishing:
                 self._stand(name, seat, spot)
 
     def _decorate(self, spaces: Boxes, counts: Values, place: Place) -> None:
-        """Stand things in the free spaces on another, each kind about as often as ``counts``."""
+        """Stand things in the free spaces on another, each kind about as often as ``counts``.
+
+        What does not fit beside the others, of a few sizes and places, is left out.
+        """
         shelves = [(space, []) for space in spaces]
         for name, mean in counts.items():
             for _ in range(self._times(mean)):
-                self._stand_upon(name, place, *self.kit.pick(shelves))
-
-    def _stand_upon(self, name: str, place: Place, space: Box, used: Boxes) -> None:
-        """Make a thing and stand it in a free space beside what stands there, if it fits."""
-        for _ in range(4):
-            size = self._size(name)
-            if (size > space.size - [0, 0, 0.02]).any():
-                continue
-            low = space.low + size / 2
-            high = space.high - size / 2
-            foot = np.append(self.kit.rng.uniform(low[:2], high[:2]), space.z0)
-            area = Box.standing(size, foot)
-            if not area.meets(used):
-                used.append(area)
-                self._stand(name, size, place.at(*foot))
-                return
+                space, used = self.kit.pick(shelves)
+                for _ in range(4):
+                    size = self._size(name)
+                    if (size > space.size - [0, 0, 0.02]).any():
+                        continue
+                    low = space.low + size / 2
+                    high = space.high - size / 2
+                    foot = np.append(self.kit.rng.uniform(low[:2], high[:2]), space.z0)
+                    area = Box.standing(size, foot)
+                    if not area.meets(used):
+                        used.append(area)
+                        self._stand(name, size, place.at(*foot))
+                        break
 
     def _take(self, space: Box, around: Box, clear: Boxes) -> bool:
         """Take the space of a thing on the floor if it is free; tell whether it is.

@@ -52,7 +52,7 @@ class Kit:
 
     def pick(self, items: Sequence) -> Any:
         """Draw one of several items."""
-        return items[self.rng.integers(len(items))]
+        return items[int(self.rng.integers(len(items)))]
 
     def between(self, low: float, high: float) -> float:
         """Draw a number evenly between two limits."""
@@ -68,7 +68,8 @@ class Kit:
 
     def count(self, limits: Sequence[int]) -> int:
         """Draw a whole number evenly from the lowest to the highest."""
-        return int(self.rng.integers(*limits, endpoint=True))
+        low, high = limits
+        return int(self.rng.integers(low, high, endpoint=True))
 
     def chance(self, share: float) -> bool:
         """Draw whether something happens that does so in a share of cases."""

@@ -1,11 +1,11 @@
 """Materials of rooms: a reflectance, a pattern of two colours, light of their own."""
 
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
 from typing import NamedTuple
 
 import numpy as np
 
-from cmtof.types import Array, Arrays, Numbers
+from cmtof.types import Array, Arrays, Flags, Numbers
 from cmtof_rooms.boxes import Triple
 
 Colour = Triple
@@ -54,7 +54,7 @@ def _smooth_step(share: Array) -> Array:
     return share * share * (3 - 2 * share)
 
 
-def _stripes(s: Array, t: Array) -> Array:
+def _stripes(s: Array, t: Array) -> Flags:
     """Stripes along t."""
     return s % 1 < 0.5
 
@@ -64,12 +64,12 @@ def _checks(s: Array, t: Array) -> Array:
     return (np.floor(s) + np.floor(t)) % 2
 
 
-def _tiles(s: Array, t: Array) -> Array:
+def _tiles(s: Array, t: Array) -> Flags:
     """Joints of square tiles."""
     return (s % 1 < 0.05) | (t % 1 < 0.05)
 
 
-def _bricks(s: Array, t: Array) -> Array:
+def _bricks(s: Array, t: Array) -> Flags:
     """Joints of bricks, each second row shifted by half a brick."""
     return _tiles(s / 2 + 0.5 * (np.floor(t) % 2), t)
 
@@ -93,14 +93,14 @@ def _cloudy(s: Array, t: Array) -> Array:
     return 0.7 * _noise(s, t) + 0.3 * _noise(3 * s, 3 * t)
 
 
-def _dots(s: Array, t: Array) -> Array:
+def _dots(s: Array, t: Array) -> Flags:
     """Round dots in rows."""
     off_centre = (s % 1 - 0.5) ** 2 + (t % 1 - 0.5) ** 2
     return off_centre < 0.09
 
 
 # Share, 0 to 1, of the second colour at coordinates in periods; a plain material has no pattern.
-PATTERNS: dict[str, Callable[[Array, Array], Array]] = {
+PATTERNS = {
     "stripes": _stripes,
     "checks": _checks,
     "tiles": _tiles,

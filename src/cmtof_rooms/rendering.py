@@ -159,8 +159,8 @@ def render_views(settings: Settings) -> Iterator[RenderedView]:
 def list_views(settings: Settings, index: int) -> list[View]:
     """Views of a room: those across it (``cam_00``), then those close to things (``cam_01``)."""
     name = room_name(settings.seed, index)
-    counts = count_views(index, settings.views)
-    return [View(name, camera, k) for camera in counts for k in range(counts[camera])]
+    counts = count_views(index, settings.views).items()
+    return [View(name, camera, k) for camera, count in counts for k in range(count)]
 
 
 def views_of_room(
