@@ -149,7 +149,7 @@ def camera_close(middles: Array, rng: Generator) -> Camera:
     """Draw a camera 0.5 to 1.2 m from one of several things, given by their middles (N, 3), m."""
     target = middles[rng.integers(len(middles))] + rng.normal(0, 0.05, 3)
     away = _direction(rng.uniform(0, 2 * np.pi), np.radians(rng.uniform(0, 45)))
-    eye = target + unitize(away) * rng.uniform(*_CLOSE)
+    eye = target + away / np.linalg.norm(away) * rng.uniform(*_CLOSE)
     return look_at(eye, target, np.radians(rng.normal(0, 3)))
 
 

@@ -109,9 +109,9 @@ def cloth(
 
 def rug(kit: Kit, space: Box) -> Piece:
     """A rug on the floor, a fifth of them oval."""
-    x0, x1, y0, y1 = space[:4]
-    corners = [(x0, y0), (x1, y0), (x1, y1), (x0, y1)]
-    outline = ellipse(space.size[:2], 40) if kit.chance(0.2) else corners
+    size = space.size[:2]
+    corners = size / [(-2, -2), (2, -2), (2, 2), (-2, 2)]
+    outline = ellipse(size, 40) if kit.chance(0.2) else corners
     yield "fabric", extrusion(outline, space.z1)
 
 
@@ -127,8 +127,8 @@ def plant(kit: Kit, space: Box, *, style: str = "leaves") -> Piece:
         leaves = Box.standing((width, width, height)).cut(z0=pot + 0.1 * crown)
         bush = kit.part(*next(blob(kit, leaves, material="leaf", noise=0.35)))
         yield green, bush.mesh
-        stem = [(0, 0, 0.8 * pot), (0, 0, pot + 0.3 * crown)]
-        yield green, sweep(stem, 0.03 * pot + 0.01, 6)
+        ends = [(0, 0, 0.8 * pot), (0, 0, pot + 0.3 * crown)]
+        yield green, sweep(ends, 0.03 * pot + 0.01, 6)
     else:
         yield from _leaves(kit, green, width, pot, crown)
 
@@ -162,9 +162,8 @@ def picture(
     width, depth, _ = space.size
     edge = min(frame, width / 6)
     half = edge / 2
-    paint = kit.material(material)._replace(emission=emission)
     yield (
-        paint,
+        kit.material(material)._replace(emission=emission),
         space.inset(x=half, y0=depth / 3, z=half),
     )
     yield (

@@ -13,10 +13,6 @@ from cmtof_rooms.shell import Shell
 from cmtof_rooms.solids import turn_about_z
 from cmtof_rooms.things import Light, Place, Thing
 
-Kind = Fields  # one of the ``kinds`` of `presets.yml`
-
-Extents = Array  # width, depth, height, m
-
 TRIES = 14  # places that are tried for one thing before it is left out
 
 WARM = (1.0, 0.93, 0.82)  # colour of lamps
@@ -78,13 +74,13 @@ class Furnishing:
                 self._decorate(spaces, kind.get("upon", {}), place)
                 return
 
-    def _size(self, name: str) -> Extents:
-        """Draw a size of a kind, m, that fits under the ceiling."""
+    def _size(self, name: str) -> Array:
+        """Draw width, depth and height of a kind, m, that fit under the ceiling."""
         size = np.array(self.kit.each(_kind(name)["size"]))
         size[2] = min(size[2], self.shell.height - self.shell.lowest - 0.01)
         return size
 
-    def _stand(self, name: str, size: Extents, place: Place) -> Boxes:
+    def _stand(self, name: str, size: Array, place: Place) -> Boxes:
         """Make a thing, stand it at a place, and return the free spaces on it, in its frame."""
         kind = _kind(name)
         parts = []
@@ -101,7 +97,7 @@ class Furnishing:
         self.things.append(Thing(name, parts))
         return spaces
 
-    def _seat(self, name: str, count: int, place: Place, size: Extents) -> None:
+    def _seat(self, name: str, count: int, place: Place, size: Array) -> None:
         """Stand seats along the two long sides of a table, or at the front of a desk."""
         columns = -(-count // 2)
         for k in range(count):
@@ -161,11 +157,11 @@ class Furnishing:
             self.taken.append(space)
         return free
 
-    def _at_wall(self, kind: Kind, size: Extents, foot: float) -> Place | None:
+    def _at_wall(self, kind: Fields, size: Array, foot: float) -> Place | None:
         """Try a place before a wall, in a corner, or on a wall with its foot at a height."""
         width, depth, height = size
-        lengths = [wall.length for wall in self.shell.walls]
-        wall = weighted_choice(self.kit.rng, self.shell.walls, lengths)
+        walls = self.shell.walls
+        wall = weighted_choice(self.kit.rng, walls, [wall.length for wall in walls])
         last = wall.length - width - 0.04
         if wall.length < width + 0.1 or foot + height > self.shell.height - 0.02:
             return None
@@ -185,7 +181,7 @@ class Furnishing:
         wall.take(spot, 0.03)
         return wall.place.at(x + width / 2, -depth / 2 - gap, foot)
 
-    def _on_floor(self, kind: Kind, size: Extents) -> Place | None:
+    def _on_floor(self, kind: Fields, size: Array) -> Place | None:
         """Try a place on the floor, mostly about the middle of a room."""
         flat = kind["at"] == "flat"
         margin = kind.get("clear", 0.15)
@@ -208,7 +204,7 @@ class Furnishing:
         )
         return Place(*middle, turn=turn) if free else None
 
-    def _under_ceiling(self, size: Extents) -> Place | None:
+    def _under_ceiling(self, size: Array) -> Place | None:
         """Try a place under the ceiling, away from other lamps and tall things."""
         margin = size[0]
         floor = self.kit.pick(self.shell.floor)
@@ -226,11 +222,11 @@ class Furnishing:
         return place
 
 
-def _turned_size(size: Extents, turn: float) -> Array:
+def _turned_size(size: Array, turn: float) -> Array:
     """Size along x, y and z, m, of a box that is turned by ``turn``, rad, about z."""
     return np.abs(turn_about_z(turn)) @ size
 
 
-def _kind(name: str) -> Kind:
-    """Kind of furniture by its name."""
+def _kind(name: str) -> Fields:
+    """One of the ``kinds`` of `presets.yml`, by its name."""
     return presets()["kinds"][name]

@@ -97,8 +97,8 @@ def sofa(kit: Kit, space: Box, *, arms: bool = True) -> Piece:
     yield cover, space.cut(z0=0.08, z1=level - 0.12)
     yield "wood", posts(space.inset(x=0.03, y=0.03).cut(z1=0.08), 0.06)
     if arms:
-        rests = space.ends("x", arm)
-        yield cover, rests.cut(z0=0.08, z1=min(kit.between(0.55, 0.65), height))
+        rest = min(kit.between(0.55, 0.65), height)
+        yield cover, space.cut(z0=0.08, z1=rest).ends("x", arm)
     seat = between.inset(y1=back).cut(z0=level - 0.14, z1=level + 0.04)
     yield cover, *_cushions(seat, 0.75)
     if back:
@@ -213,8 +213,14 @@ def _books(kit: Kit, space: Box) -> Piece:
         run, high, thickness, shift = kit.draw("books")
         run = min(run, end - x)  # one edition: equal heights
         top = space.z0 + height * high
-        front = space.y0 + shift * depth
         start = x + thickness * np.arange(max(1, int(run / thickness)))
-        books = space.cut(x0=start, x1=start + thickness - 0.001, y0=front, z1=top)
-        yield "paper", books
+        yield (
+            "paper",
+            space.cut(
+                x0=start,
+                x1=start + thickness - 0.001,
+                y0=space.y0 + shift * depth,
+                z1=top,
+            ),
+        )
         x += len(start) * thickness + 0.002

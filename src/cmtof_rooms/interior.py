@@ -10,7 +10,7 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import ArrayLike
 
-from cmtof.types import Array, Flags, Numbers, Shape
+from cmtof.types import Array, Flags, Numbers
 from cmtof_rooms.bounce import measure_bounce
 from cmtof_rooms.engine import Tracer
 from cmtof_rooms.materials import Palette
@@ -23,6 +23,11 @@ _NEIGHBOURS = [
     (slice(1, None), slice(-1)),
     (slice(-1), slice(1, None)),
 ]
+
+# Places on a light that each of 4 x 4 pixels asks for: all 16, those of neighbours far apart.
+_SAMPLES = np.array(
+    [[0, 10, 2, 8], [5, 15, 7, 13], [1, 11, 3, 9], [4, 14, 6, 12]],
+)
 
 
 class Picture(NamedTuple):
@@ -120,7 +125,8 @@ class Interior:
             footprint.astype(np.float32),
         )
         # neighbours ask for different places on the lights
-        direct = self.direct(seen.position, seen.normal, _tiles(seen.part.shape))
+        sample = _SAMPLES[tuple(np.indices(seen.part.shape) % 4)]
+        direct = self.direct(seen.position, seen.normal, sample)
         light = _smooth(direct, seen.part, seen.normal) + self._bounced_light(seen)
         emission = self.palette.looks["emission"][seen.part]
         color = albedo * (light + emission[..., None])
@@ -234,12 +240,6 @@ class Interior:
 def _numbers(first: int, counts: list[int]) -> Numbers:
     """Number of the group, from ``first`` on, of each item of groups with sizes ``counts``; -1."""
     return np.append(np.repeat(np.arange(len(counts)) + first, counts), -1)
-
-
-def _tiles(shape: Shape) -> Numbers:
-    """Number 0 to 15 of each pixel (H, W): all in every 4 x 4 pixels, neighbours' far apart."""
-    order = [[0, 10, 2, 8], [5, 15, 7, 13], [1, 11, 3, 9], [4, 14, 6, 12]]
-    return np.array(order)[tuple(np.indices(shape) % 4)]
 
 
 def _smooth(image: Array, part: Numbers, normal: Array) -> Array:

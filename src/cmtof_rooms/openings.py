@@ -47,12 +47,18 @@ def add_passage(kit: Kit, shell: Shell, wall: Wall) -> None:
     far = THICKNESS + depth
     ceiling = max(height + 0.1, min(shell.height, 3.0))
     space = Box(hole.x0 - left, hole.x1 + right, THICKNESS, far, 0.0, ceiling)
-    _add_room_beyond(kit, shell, wall, space)
-    length = space.x1 - space.x0
-    shell.beyond.append(Wall(wall.place.at(space.x0, far), length))
+    outer = space.inset(x=-THICKNESS, y1=-THICKNESS)  # with the walls of that room
+    paint = kit.material("wall")
+    shell.build(
+        "room beyond",
+        wall.place,
+        (paint, outer.ends("x", THICKNESS), outer.cut(y0=far)),
+        (kit.material("floor"), outer.cut(y0=0.0, z0=-0.2, z1=0.0)),
+        (paint, outer.cut(z0=ceiling, z1=ceiling + THICKNESS)),
+    )
+    shell.beyond.append(Wall(wall.place.at(space.x0, far), space.size[0]))
     lamp = wall.place.carry(space.cut(z0=ceiling - 0.06).middle)
-    power = min(0.25 * length * depth, 2.0)
-    shell.lights.append(level_light(lamp, 0.4, power))
+    shell.lights.append(level_light(lamp, 0.4, min(0.25 * space.size[0] * depth, 2.0)))
 
 
 def _doorway(
@@ -71,20 +77,6 @@ def _doorway(
             shell.keep.append(wall.in_room(hole.cut(y0=-0.9, y1=0.0)))
             return hole
     return None
-
-
-def _add_room_beyond(kit: Kit, shell: Shell, wall: Wall, space: Box) -> None:
-    """Add walls, floor and ceiling of a room beyond a wall, about its free space."""
-    t = THICKNESS
-    paint = kit.material("wall")
-    outer = space.inset(x=-t, y1=-t)
-    shell.build(
-        "room beyond",
-        wall.place,
-        (paint, outer.ends("x", t), outer.cut(y0=space.y1)),
-        (kit.material("floor"), outer.cut(y0=0.0, z0=-0.2, z1=0.0)),
-        (paint, outer.cut(z0=space.z1, z1=space.z1 + t)),
-    )
 
 
 def add_windows(kit: Kit, shell: Shell, wall: Wall, *, view: bool) -> None:

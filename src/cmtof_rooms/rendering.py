@@ -72,8 +72,9 @@ class Settings:
         angle = np.radians(
             stream(self.seed, index, LENS).choice([60, 60, 60, 52, 44, 35])
         )
-        drawn = float(self.width / 2 / np.tan(angle / 2))
-        focal = drawn if self.focal is None else self.focal
+        focal = self.focal
+        if focal is None:
+            focal = float(self.width / 2 / np.tan(angle / 2))
         if not 1 <= focal < 1e6:
             raise ValueError(
                 f"Expected a focal length of 1 to 1e6 px, got {focal}. Try the width."
@@ -92,9 +93,12 @@ class RenderedView(NamedTuple):
     @property
     def frame(self) -> Frame:
         """Frame for the simulator: range, linear green, camera."""
-        green = self.picture.color[..., 1]
-        name = f"{self.view.scene}/{self.view.camera}"
-        return Frame(self.picture.depth, green, self.lens.camera, name)
+        return Frame(
+            self.picture.depth,
+            self.picture.color[..., 1],
+            self.lens.camera,
+            f"{self.view.scene}/{self.view.camera}",
+        )
 
 
 def split_of(index: int) -> str:

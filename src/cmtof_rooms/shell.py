@@ -46,8 +46,10 @@ class Wall:
             (hole.x0 + THICKNESS, hole.x1 + THICKNESS, hole.z0, hole.z1)
             for hole in self.holes
         ]
-        whole = plate(self.length + 2 * THICKNESS, height, THICKNESS, holes)
-        return move(whole, (-THICKNESS, 0, 0))
+        return move(
+            plate(self.length + 2 * THICKNESS, height, THICKNESS, holes),
+            (-THICKNESS, 0, 0),
+        )
 
 
 @dataclass
