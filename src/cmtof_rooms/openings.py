@@ -58,7 +58,9 @@ def add_passage(kit: Kit, shell: Shell, wall: Wall) -> None:
     )
     shell.beyond.append(Wall(wall.place.at(space.x0, far), space.size[0]))
     lamp = wall.place.carry(space.cut(z0=ceiling - 0.06).middle)
-    shell.lights.append(level_light(lamp, 0.4, min(0.25 * space.size[0] * depth, 2.0)))
+    shell.lights.append(
+        level_light(lamp, 0.4, min(0.25 * (space.x1 - space.x0) * depth, 2.0))
+    )
 
 
 def _doorway(
