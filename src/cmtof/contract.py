@@ -6,7 +6,7 @@ from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import ArrayLike
-from xarray import DataArray, Dataset
+from xarray import Dataset
 
 from cmtof.correlation import check_psi, wrap_length, wrapped
 from cmtof.types import Array, Flags
@@ -67,7 +67,10 @@ def checked_dataset(dataset: Dataset) -> Dataset:
 
 
 def with_coordinates(dataset: Dataset) -> Dataset:
-    """The dataset with frequency and psi as coordinates; a ValueError if a variable is missing."""
+    """The dataset with frequency and psi as coordinates.
+
+    A ValueError if a variable is missing, or holds no numbers on the dimensions of `VARIABLES`.
+    """
     main = "correlation" if "correlation" in dataset else "phase"
     if main not in dataset:
         raise ValueError(
@@ -82,23 +85,19 @@ def with_coordinates(dataset: Dataset) -> Dataset:
                 "State it for every image."
             )
     for name in filter(dataset.variables.__contains__, VARIABLES):
-        _check_kind(name, dataset[name])
+        variable = dataset[name]
+        if variable.dtype.kind not in "biuf":
+            raise ValueError(
+                f"Expected numbers as {name}, got type {variable.dtype}. Store floats."
+            )
+        dims = VARIABLES[name].dims or variable.dims
+        if not variable.size or variable.dims != dims:
+            raise ValueError(
+                f"Expected {name} with dimensions {dims}, none of them empty, "
+                f"got {dict(variable.sizes)}. Transpose or rename them."
+            )
     # outside xarray a variable of two dimensions is no coordinate
     return dataset.set_coords(needed)
-
-
-def _check_kind(name: str, variable: DataArray) -> None:
-    """Raise a ValueError unless a variable holds numbers on the dimensions of `VARIABLES`."""
-    if variable.dtype.kind not in "biuf":
-        raise ValueError(
-            f"Expected numbers as {name}, got type {variable.dtype}. Store floats."
-        )
-    dims = VARIABLES[name].dims or variable.dims
-    if not variable.size or variable.dims != dims:
-        raise ValueError(
-            f"Expected {name} with dimensions {dims}, none of them empty, "
-            f"got {dict(variable.sizes)}. Transpose or rename them."
-        )
 
 
 def in_si_units(dataset: Dataset) -> Dataset:

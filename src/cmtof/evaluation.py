@@ -188,7 +188,7 @@ class Evaluation:
         tallies = deepcopy(
             self._tallies
         )  # a frame at which every method fails counts for none
-        failed: dict[str, Exception] = {}
+        failed = {}
         for name, measurement in measurements.items():
             start = perf_counter()
             try:

@@ -73,17 +73,16 @@ def check_links(file: Any) -> None:
         raise ValueError(f"{outside} lies in another file")
 
 
-def check_output(path: AnyPath, *suffixes: str) -> Path:
+def check_output(path: AnyPath, suffix: str = "") -> Path:
     """Check that a file can be written, before anything is computed; return its real path.
 
-    A ValueError if it is not named by one of the suffixes, an OSError if the folder is missing or
-    cannot be written to, or it is a folder or a device.
+    A ValueError if its name lacks a given suffix, an OSError if the folder is missing or cannot be
+    written to, or it is a folder or a device.
     """
     target = Path(path)
-    if suffixes and target.suffix not in suffixes:
-        named = " or ".join(f"*{suffix}" for suffix in suffixes)
+    if suffix and target.suffix != suffix:
         raise ValueError(
-            f"Expected an output named {named}, got {target.name}. Rename it."
+            f"Expected an output named *{suffix}, got {target.name}. Rename it."
         )
     if target.is_symlink():  # what it points to is replaced, not the link
         try:
@@ -136,7 +135,7 @@ def _remove_leftovers(target: Path) -> None:
 
 
 @contextmanager
-def atomic_output(path: AnyPath, *suffixes: str) -> Iterator[Path]:
+def atomic_output(path: AnyPath, suffix: str = "") -> Iterator[Path]:
     """Yield a temporary path beside ``path`` that is renamed onto it when the block succeeds.
 
     Raises the errors of `check_output`, before the block.
@@ -148,7 +147,7 @@ def atomic_output(path: AnyPath, *suffixes: str) -> Iterator[Path]:
     >>> target.read_text()
     'whole'
     """
-    target = check_output(path, *suffixes)
+    target = check_output(path, suffix)
     _remove_leftovers(target)
     part = _temporary_path(target)
     try:

@@ -97,7 +97,7 @@ def depth_from_levels(levels: NDArray, scale: float | None) -> tuple[Array, list
         else [f"depth read at {LEVELS:g} levels a metre, for want of a scale"]
     )
     known = levels > 0
-    if levels.dtype == np.uint16 and (full := levels == np.iinfo(np.uint16).max).any():
+    if levels.dtype == np.uint16 and (full := levels == 65535).any():
         known &= ~full
         notes.append(
             f"{full.mean():.1%} of the depths are at level 65535, taken as unknown"

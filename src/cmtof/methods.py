@@ -122,11 +122,6 @@ def _network_method(
     return Method(name, "learned", source, run, about=about, memory=1300, network=model)
 
 
-def _reference_method(run: Callable[..., Estimate], frequencies: int = 2) -> Method:
-    name = run.__name__.replace("_", "-")
-    return Method(name, "reference", "", run, frequencies, knows_truth=True)
-
-
 _BAEK = "Baek et al. 2023"
 
 _ALL = (
@@ -227,10 +222,31 @@ _ALL = (
     Method("middle", "trivial", "", trivial.middle, frequencies=1),
     Method("uniform", "trivial", "", trivial.uniform, frequencies=1),
     Method("mode", "trivial", "", trivial.mode, frequencies=1, knows_truth=True),
-    _reference_method(references.reference_depth, frequencies=1),
-    _reference_method(references.reference_offset),
-    _reference_method(references.reference_contact),
-    _reference_method(references.reference_field),
+    Method(
+        "reference-depth",
+        "reference",
+        "",
+        references.reference_depth,
+        frequencies=1,
+        knows_truth=True,
+    ),
+    Method(
+        "reference-offset",
+        "reference",
+        "",
+        references.reference_offset,
+        knows_truth=True,
+    ),
+    Method(
+        "reference-contact",
+        "reference",
+        "",
+        references.reference_contact,
+        knows_truth=True,
+    ),
+    Method(
+        "reference-field", "reference", "", references.reference_field, knows_truth=True
+    ),
 )
 
 METHODS = {method.name: method for method in _ALL}

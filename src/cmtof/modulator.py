@@ -13,6 +13,7 @@ first element, A^2 = 1. Phases theta are those of the drive, V = eta sin(theta).
 
 from dataclasses import dataclass, replace  # noqa: F401 - for the example
 from functools import partial
+from math import radians
 from typing import Literal
 
 import numpy as np
@@ -182,13 +183,11 @@ class TwoPassModulator:
 
 
 # The mode at the drive's frequency: theta_h = 11.25 degrees, 7.15 GHz (Eq. 14-16).
-SINGLE = TwoPassModulator(
-    half_wave_angle=float(np.deg2rad(constants.HALF_WAVE_PLATE_SINGLE))
-)
+SINGLE = TwoPassModulator(half_wave_angle=radians(constants.HALF_WAVE_PLATE_SINGLE))
 
 # The mode at twice the drive's frequency: theta_h = 22.5 degrees, dark bias (Eq. 17-19).
 DOUBLED = TwoPassModulator(
-    half_wave_angle=float(np.deg2rad(constants.HALF_WAVE_PLATE_DOUBLED)),
+    half_wave_angle=radians(constants.HALF_WAVE_PLATE_DOUBLED),
     frequency=constants.FREQUENCY_DOUBLED / 2,
 )
 

@@ -69,20 +69,22 @@ def measure_bounce(space: Array, look: Look) -> Bounce:
     shape = [len(axis) for axis in axes]
     places = np.array([*product(*axes)], np.float32)
     rays = sphere_of_directions(RAYS)
-    origins = np.repeat(places, RAYS, axis=0)
-    radiance, behind = look(origins, np.tile(rays, (len(places), 1)))
+    radiance, behind = look(
+        np.repeat(places, RAYS, axis=0),
+        np.tile(rays, (len(places), 1)),
+    )
     faces = np.maximum(np.stack([rays, -rays], axis=2), 0).reshape(RAYS, 6)
     light = np.einsum(
         "pdc,df->pfc",
         radiance.reshape(-1, RAYS, 3),
         faces * (4 / RAYS),
+    ).astype(np.float32)
+    inside = behind.reshape(*shape, RAYS).sum(axis=-1) > RAYS / 4
+    # a place inside a solid takes the light of its nearest neighbour outside
+    nearest = distance_transform_edt(
+        inside, return_distances=False, return_indices=True
     )
-    inside = behind.reshape(-1, RAYS).sum(axis=1) > RAYS / 4
-    return Bounce(
-        low,
-        high,
-        _fill_solids(light.reshape(*shape, 6, 3), inside.reshape(shape)),
-    )
+    return Bounce(low, high, light.reshape(*shape, 6, 3)[tuple(np.asarray(nearest))])
 
 
 def _grid_axes(low: Array, high: Array) -> list[Array]:
@@ -91,13 +93,3 @@ def _grid_axes(low: Array, high: Array) -> list[Array]:
     step = max(0.7, size.max() / 14)
     counts = np.clip(np.round(size / step).astype(int) + 1, 2, 15)
     return [*map(np.linspace, low, high, counts)]
-
-
-def _fill_solids(light: Array, inside: Flags) -> Array:
-    """Light of a grid; a place inside a solid takes that of its nearest neighbour outside."""
-    if not inside.all():
-        nearest = distance_transform_edt(
-            inside, return_distances=False, return_indices=True
-        )
-        light = light[tuple(np.asarray(nearest))]
-    return light.astype(np.float32)

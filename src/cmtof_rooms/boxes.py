@@ -123,9 +123,11 @@ class Box(NamedTuple):
         >>> Box.standing((2.0, 1.0, 3.0)).split("x", 2).x0.tolist()
         [-1.0, 0.0]
         """
-        low = getattr(self, axis + "0")
-        high = getattr(self, axis + "1")
-        edges = np.linspace(low, high, count + 1)
+        edges = np.linspace(
+            getattr(self, axis + "0"),
+            getattr(self, axis + "1"),
+            count + 1,
+        )
         return self._along(axis, edges[:-1], edges[1:])
 
     def _along(self, axis: str, low: Array, high: Array) -> "Box":

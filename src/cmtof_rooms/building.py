@@ -13,7 +13,7 @@ from cmtof_rooms.openings import (
 )
 from cmtof_rooms.shell import Shell, Wall
 from cmtof_rooms.solids import sheet
-from cmtof_rooms.things import ROOM, Place, Thing, level_light
+from cmtof_rooms.things import ROOM, Light, Place, Thing
 
 
 def build_shell(kit: Kit, room: Fields) -> Shell:
@@ -96,8 +96,16 @@ def _add_levels(kit: Kit, shell: Shell) -> None:
     if shell.open:
         x = shell.width / 2
         y = shell.depth / 2
-        sky = level_light((x, y, shell.height + 5), x, y, 4 * x * y / np.pi)
-        shell.lights.append(sky._replace(colour=SKY))
+        shell.lights.append(
+            Light(
+                (x, y, shell.height + 5),
+                (x, 0, 0),
+                (0, y, 0),
+                (0, 0, -1),
+                4 * x * y / np.pi,
+                SKY,
+            )
+        )
     else:
         above = shell.reach(shell.height, shell.height + 0.2)
         shell.build("ceiling", ROOM, (kit.material("ceiling"), above))

@@ -172,8 +172,7 @@ def _flaws(camera: Camera, wanted: float, interior: Interior, lens: Lens) -> flo
     behind = met & (facing > 0)  # the back of a surface: inside a solid
     distance = np.where(met, hits.distance, _FAR)
     seen = distance[:-_AROUND]
-    part = interior.part[hits.triangle]
-    thing = np.where(met, interior.instance[part], 0)[:-_AROUND]
+    thing = interior.instance[interior.part[hits.triangle[:-_AROUND]]]
     return (
         abs(np.log(max(np.median(seen), 0.05) / wanted))
         # bare walls are rarely photographed

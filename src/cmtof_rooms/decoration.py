@@ -10,7 +10,7 @@ import numpy as np
 from trimesh import Trimesh
 
 from cmtof_rooms.boxes import Box
-from cmtof_rooms.kit import Kit, Piece, Solids, Top
+from cmtof_rooms.kit import Kit, Piece, Solids
 from cmtof_rooms.materials import Material
 from cmtof_rooms.presets import presets
 from cmtof_rooms.solids import (
@@ -32,7 +32,7 @@ def lamp(kit: Kit, space: Box, *, style: str = "stand") -> Piece:
     radius = min(space.x1, space.y1)
     shade = kit.material("shade")._replace(emission=1.0)
     if style == "panel":
-        yield level_light((0, 0, -0.01), radius, radius, 1.0)
+        yield level_light((0, 0, -0.01), radius, 1.0)
         yield shade, space
         return
     tall, narrow = kit.draw("shade")
@@ -43,12 +43,11 @@ def lamp(kit: Kit, space: Box, *, style: str = "stand") -> Piece:
     if style == "stand":
         foot = min(0.7 * radius, 0.16)
         stand = [(foot, 0), (foot, 0.02), (0.012, 0.03), (0.012, height - tall)]
-        half = 0.5 * narrow
-        yield level_light((0, 0, height + 0.05), half, half, 1.0, 0.0)
+        yield level_light((0, 0, height + 0.05), 0.5 * narrow, 1.0, 0.0)
         yield metal, revolution(stand)
         yield shade, move(cone, (0, 0, height - tall))
     else:
-        yield level_light((0, 0, -0.03), radius, radius, 1.0)
+        yield level_light((0, 0, -0.03), radius, 1.0)
         globe = move(ball((radius, radius, tall / 2)), (0, 0, tall / 2))
         yield shade, globe if kit.chance(0.4) else cone
         yield metal, sweep([(0, 0, tall), (0, 0, height)], 0.008, 6)
@@ -108,11 +107,11 @@ def cloth(
     yield "fabric", sheet(np.stack([x, y, z], -1), thickness)
 
 
-def rug(kit: Kit, space: Box) -> Iterator[Solids]:
+def rug(kit: Kit, space: Box) -> Piece:
     """A rug on the floor, a fifth of them oval."""
-    x0, x1, y0, y1 = space[:4]
-    corners = [(x0, y0), (x1, y0), (x1, y1), (x0, y1)]
-    outline = ellipse(space.size[:2], 40) if kit.chance(0.2) else corners
+    size = space.size[:2]
+    corners = size / [(-2, -2), (2, -2), (2, 2), (-2, 2)]
+    outline = ellipse(size, 40) if kit.chance(0.2) else corners
     yield "fabric", extrusion(outline, space.z1)
 
 
@@ -128,8 +127,8 @@ def plant(kit: Kit, space: Box, *, style: str = "leaves") -> Piece:
         leaves = Box.standing((width, width, height)).cut(z0=pot + 0.1 * crown)
         bush = kit.part(*next(blob(kit, leaves, material="leaf", noise=0.35)))
         yield green, bush.mesh
-        stem = [(0, 0, 0.8 * pot), (0, 0, pot + 0.3 * crown)]
-        yield green, sweep(stem, 0.03 * pot + 0.01, 6)
+        ends = [(0, 0, 0.8 * pot), (0, 0, pot + 0.3 * crown)]
+        yield green, sweep(ends, 0.03 * pot + 0.01, 6)
     else:
         yield from _leaves(kit, green, width, pot, crown)
 
@@ -163,9 +162,8 @@ def picture(
     width, depth, _ = space.size
     edge = min(frame, width / 6)
     half = edge / 2
-    paint = kit.material(material)._replace(emission=emission)
     yield (
-        paint,
+        kit.material(material)._replace(emission=emission),
         space.inset(x=half, y0=depth / 3, z=half),
     )
     yield (
@@ -240,7 +238,7 @@ def stack(
     for z0, z1 in pairwise(space.z1 * np.unique([0.0, *shares, 1.0])):
         layer = space.cut(z0=z0, z1=z1 - 1e-3)
         yield material, _case(kit, layer) if number > 1 else layer
-    yield Top(Box.standing(space.size / [1.5, 1.5, 1]), 0.4)
+    yield Box.standing([*space.size[:2] / 1.5, 0.4], (0, 0, space.z1))
 
 
 def _case(kit: Kit, space: Box) -> Trimesh:

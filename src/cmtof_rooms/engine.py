@@ -1,6 +1,5 @@
 """Rays traced through triangles by Embree, and directions spread over the sphere."""
 
-from functools import lru_cache
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -65,7 +64,6 @@ class Tracer:
         return self._scene.run(origins, directions, dists=reach, query="OCCLUDED") == 0
 
 
-@lru_cache(maxsize=4)
 def sphere_of_directions(count: int) -> Array:
     """Directions (N, 3) spread evenly over the sphere (a Fibonacci lattice)."""
     number = np.arange(count)

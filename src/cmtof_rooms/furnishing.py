@@ -6,16 +6,12 @@ import numpy as np
 
 from cmtof.types import Array, Fields, Values
 from cmtof_rooms.boxes import Box, Boxes
-from cmtof_rooms.kit import Kit, Top, weighted_choice
+from cmtof_rooms.kit import Kit, weighted_choice
 from cmtof_rooms.makers import MAKERS
 from cmtof_rooms.presets import presets
 from cmtof_rooms.shell import Shell
 from cmtof_rooms.solids import turn_about_z
 from cmtof_rooms.things import Light, Place, Thing
-
-Kind = Fields  # one of the ``kinds`` of `presets.yml`
-
-Extents = Array  # width, depth, height, m
 
 TRIES = 14  # places that are tried for one thing before it is left out
 
@@ -59,41 +55,49 @@ class Furnishing:
         return int(min(self.kit.rng.poisson(mean), 2 * mean + 1))
 
     def _furnish(self, name: str) -> None:
-        """Make one thing of a kind with what belongs to it, if there is a place for it."""
+        """Make one thing of a kind with what belongs to it, if a free place is found for it."""
         kind = _kind(name)
         size = self._size(name)
-        place = self._find(kind, size)
-        if place is None:
-            return
-        tops = self._stand(name, size, place)
-        for other, limits in kind.get("around", {}).items():
-            self._seat(other, self.kit.count(limits), place, size)
-        self._decorate(tops, kind.get("upon", {}), place)
+        foot = self.kit.between(*kind["over"]) if "over" in kind else 0.0
+        for _ in range(TRIES):
+            match kind["at"]:
+                case "free" | "flat":
+                    place = self._on_floor(kind, size)
+                case "ceiling":
+                    place = self._under_ceiling(size)
+                case _:
+                    place = self._at_wall(kind, size, foot)
+            if place is not None:
+                spaces = self._stand(name, size, place)
+                for other, limits in kind.get("around", {}).items():
+                    self._seat(other, self.kit.count(limits), place, size)
+                self._decorate(spaces, kind.get("upon", {}), place)
+                return
 
-    def _size(self, name: str) -> Extents:
-        """Draw a size of a kind, m, that fits under the ceiling."""
+    def _size(self, name: str) -> Array:
+        """Draw width, depth and height of a kind, m, that fit under the ceiling."""
         size = np.array(self.kit.each(_kind(name)["size"]))
         size[2] = min(size[2], self.shell.height - self.shell.lowest - 0.01)
         return size
 
-    def _stand(self, name: str, size: Extents, place: Place) -> list[Top]:
-        """Make a thing, stand it at a place, and return its tops, on which others can stand."""
+    def _stand(self, name: str, size: Array, place: Place) -> Boxes:
+        """Make a thing, stand it at a place, and return the free spaces on it, in its frame."""
         kind = _kind(name)
-        make = MAKERS[kind["maker"]]
         parts = []
-        tops = []
-        for made in make(self.kit, Box.standing(size), **kind.get("make", {})):
-            if isinstance(made, Top):
-                tops.append(made)
+        spaces = []
+        maker = MAKERS[kind["maker"]]
+        for made in maker(self.kit, Box.standing(size), **kind.get("make", {})):
+            if isinstance(made, Box):
+                spaces.append(made)
             elif isinstance(made, Light):
                 middle = place.carry(made.centre)
                 self.lights.append(made._replace(centre=middle, colour=WARM))
             else:
                 parts += place.parts(*self.kit.part(*made))
         self.things.append(Thing(name, parts))
-        return tops
+        return spaces
 
-    def _seat(self, name: str, count: int, place: Place, size: Extents) -> None:
+    def _seat(self, name: str, count: int, place: Place, size: Array) -> None:
         """Stand seats along the two long sides of a table, or at the front of a desk."""
         columns = -(-count // 2)
         for k in range(count):
@@ -110,42 +114,27 @@ class Furnishing:
             if self._take(area, area, self.shell.keep):
                 self._stand(name, seat, spot)
 
-    def _decorate(self, tops: list[Top], counts: Values, place: Place) -> None:
-        """Stand things on the tops of another, each kind about as often as ``counts`` has it."""
-        surfaces = [(top, []) for top in tops]
+    def _decorate(self, spaces: Boxes, counts: Values, place: Place) -> None:
+        """Stand things in the free spaces on another, each kind about as often as ``counts``.
+
+        What does not fit beside the others, of a few sizes and places, is left out.
+        """
+        shelves = [(space, []) for space in spaces]
         for name, mean in counts.items():
             for _ in range(self._times(mean)):
-                self._stand_upon(name, place, *self.kit.pick(surfaces))
-
-    def _stand_upon(self, name: str, place: Place, top: Top, used: Boxes) -> None:
-        """Make a thing and stand it on a top beside what stands there, if it fits."""
-        for _ in range(4):
-            size = self._size(name)
-            if (size > [*top.area.size[:2], top.room - 0.02]).any():
-                continue
-            low = top.area.low + size / 2
-            high = top.area.high - size / 2
-            foot = np.append(self.kit.rng.uniform(low[:2], high[:2]), top.area.z1)
-            area = Box.standing(size, foot)
-            if not area.meets(used):
-                used.append(area)
-                self._stand(name, size, place.at(*foot))
-                return
-
-    def _find(self, kind: Kind, size: Extents) -> Place | None:
-        """Draw a free place for a thing and take what floor and wall it needs, or give None."""
-        foot = self.kit.between(*kind["over"]) if kind["at"] == "hung" else 0.0
-        for _ in range(TRIES):
-            match kind["at"]:
-                case "free" | "flat":
-                    place = self._on_floor(kind, size)
-                case "ceiling":
-                    place = self._under_ceiling(size)
-                case _:
-                    place = self._at_wall(kind, size, foot)
-            if place is not None:
-                return place
-        return None
+                space, used = self.kit.pick(shelves)
+                for _ in range(4):
+                    size = self._size(name)
+                    if (size > space.size - [0, 0, 0.02]).any():
+                        continue
+                    low = space.low + size / 2
+                    high = space.high - size / 2
+                    foot = np.append(self.kit.rng.uniform(low[:2], high[:2]), space.z0)
+                    area = Box.standing(size, foot)
+                    if not area.meets(used):
+                        used.append(area)
+                        self._stand(name, size, place.at(*foot))
+                        break
 
     def _take(self, space: Box, around: Box, clear: Boxes) -> bool:
         """Take the space of a thing on the floor if it is free; tell whether it is.
@@ -168,18 +157,18 @@ class Furnishing:
             self.taken.append(space)
         return free
 
-    def _at_wall(self, kind: Kind, size: Extents, foot: float) -> Place | None:
+    def _at_wall(self, kind: Fields, size: Array, foot: float) -> Place | None:
         """Try a place before a wall, in a corner, or on a wall with its foot at a height."""
         width, depth, height = size
-        lengths = [wall.length for wall in self.shell.walls]
-        wall = weighted_choice(self.kit.rng, self.shell.walls, lengths)
+        walls = self.shell.walls
+        wall = weighted_choice(self.kit.rng, walls, [wall.length for wall in walls])
         last = wall.length - width - 0.04
         if wall.length < width + 0.1 or foot + height > self.shell.height - 0.02:
             return None
         x = self.kit.between(0.04, last)
         if kind["at"] == "corner":
             x = 0.04 if self.kit.chance(0.5) else last
-        gap = 0.002 if kind["at"] == "hung" else 0.03
+        gap = 0.002 if "over" in kind else 0.03
         spot = Box(x, x + width, -depth - gap, -gap, foot, foot + height)
         space = wall.in_room(spot)
         if spot.meets(wall.taken) or space.z1 > self.shell.headroom(space):
@@ -192,7 +181,7 @@ class Furnishing:
         wall.take(spot, 0.03)
         return wall.place.at(x + width / 2, -depth / 2 - gap, foot)
 
-    def _on_floor(self, kind: Kind, size: Extents) -> Place | None:
+    def _on_floor(self, kind: Fields, size: Array) -> Place | None:
         """Try a place on the floor, mostly about the middle of a room."""
         flat = kind["at"] == "flat"
         margin = kind.get("clear", 0.15)
@@ -207,14 +196,15 @@ class Furnishing:
         corner = floor.low + margin + covered / 2
         middle = corner[:2] + self.kit.rng.beta(2, 2, 2) * spare
         space = Box.standing(covered, (*middle, 0.0))
-        if flat:
-            free = not space.meets(self.shell.keep)
-        else:
-            around = space.inset(x=-margin, y=-margin)
-            free = self._take(space, around, self.clear)
+        around = space.inset(x=-margin, y=-margin)
+        free = (
+            not space.meets(self.shell.keep)
+            if flat
+            else self._take(space, around, self.clear)
+        )
         return Place(*middle, turn=turn) if free else None
 
-    def _under_ceiling(self, size: Extents) -> Place | None:
+    def _under_ceiling(self, size: Array) -> Place | None:
         """Try a place under the ceiling, away from other lamps and tall things."""
         margin = size[0]
         floor = self.kit.pick(self.shell.floor)
@@ -232,11 +222,11 @@ class Furnishing:
         return place
 
 
-def _turned_size(size: Extents, turn: float) -> Array:
+def _turned_size(size: Array, turn: float) -> Array:
     """Size along x, y and z, m, of a box that is turned by ``turn``, rad, about z."""
     return np.abs(turn_about_z(turn)) @ size
 
 
-def _kind(name: str) -> Kind:
-    """Kind of furniture by its name."""
+def _kind(name: str) -> Fields:
+    """One of the ``kinds`` of `presets.yml`, by its name."""
     return presets()["kinds"][name]

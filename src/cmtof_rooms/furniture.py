@@ -10,8 +10,7 @@ import numpy as np
 from trimesh import Trimesh
 
 from cmtof_rooms.boxes import Box
-from cmtof_rooms.kit import Kit, Piece, Top
-from cmtof_rooms.materials import Material
+from cmtof_rooms.kit import Kit, Piece
 from cmtof_rooms.solids import (
     ball,
     ellipse,
@@ -38,15 +37,20 @@ def table(
     legs: str = "four",
     round_top: float = 0.0,
 ) -> Piece:
-    """A top on four legs, two panels, or a pedestal; ``round_top`` is the share of round ones."""
+    """A top on four legs, two panels, or a pedestal; ``round_top`` is the share of round ones.
+
+    Below the board of a high table with four legs are rails.
+    """
     width, depth, height = space.size
     thickness = min(kit.between(0.02, 0.05), height / 4)
     below = space.inset(z1=thickness)
     wood = kit.material("wood")
     reach = 0.9  # of the place for things, as a share of the size
     if kit.chance(round_top):
-        disc = extrusion(ellipse((width, depth)), thickness)
-        yield wood, move(disc, (0, 0, below.z1))
+        yield (
+            wood,
+            move(extrusion(ellipse((width, depth)), thickness), (0, 0, below.z1)),
+        )
         legs = "pedestal"
         reach = 0.63
     else:
@@ -58,18 +62,12 @@ def table(
     elif legs == "panel":
         yield wood, below.inset(x=0.04, y=0.025 * depth).ends("x", 0.04)
     else:
-        yield from _four_legs(kit, wood, below)
-    yield Top(Box.standing(space.size * [reach, reach, 1]), 1.2)
-
-
-def _four_legs(kit: Kit, wood: Material, space: Box) -> Piece:
-    """Four legs and, below a high table's board, rails between them."""
-    width, depth, height = space.size
-    thickness = min(kit.between(0.03, 0.07), width / 6, depth / 6)
-    yield wood, posts(space.inset(x=thickness / 2, y=thickness / 2), thickness)
-    if height > 0.5:
-        rails = space.inset(x=thickness, y=thickness - 0.01)
-        yield wood, rails.cut(z0=height - 0.11).ends("y", 0.02)
+        leg = min(kit.between(0.03, 0.07), width / 6, depth / 6)
+        yield wood, posts(below.inset(x=leg / 2, y=leg / 2), leg)
+        if below.z1 > 0.5:
+            rails = below.inset(x=leg, y=leg - 0.01).cut(z0=below.z1 - 0.11)
+            yield wood, rails.ends("y", 0.02)
+    yield Box.standing((reach * width, reach * depth, 1.2), (0, 0, height))
 
 
 def chair(kit: Kit, space: Box, *, back: bool = True) -> Piece:
@@ -99,8 +97,8 @@ def sofa(kit: Kit, space: Box, *, arms: bool = True) -> Piece:
     yield cover, space.cut(z0=0.08, z1=level - 0.12)
     yield "wood", posts(space.inset(x=0.03, y=0.03).cut(z1=0.08), 0.06)
     if arms:
-        rests = space.ends("x", arm)
-        yield cover, rests.cut(z0=0.08, z1=min(kit.between(0.55, 0.65), height))
+        rest = min(kit.between(0.55, 0.65), height)
+        yield cover, space.cut(z0=0.08, z1=rest).ends("x", arm)
     seat = between.inset(y1=back).cut(z0=level - 0.14, z1=level + 0.04)
     yield cover, *_cushions(seat, 0.75)
     if back:
@@ -177,7 +175,7 @@ def cabinet(
     if top:
         height += 0.03
         yield top, space.inset(y0=-0.015).cut(z0=space.z1, z1=height)
-    yield Top(inset.inset(y0=0.04, y1=0.03).cut(z1=height))
+    yield inset.inset(y0=0.04, y1=0.03).cut(z0=height, z1=height + 1.0)
 
 
 def shelf(kit: Kit, space: Box, *, fill: float, bay: float = 0.9) -> Piece:
@@ -202,8 +200,8 @@ def shelf(kit: Kit, space: Box, *, fill: float, bay: float = 0.9) -> Piece:
         if kit.chance(fill):
             yield from _books(kit, one.inset(y1=0.02))
         else:
-            yield Top(one.inset(y1=0.03).cut(z1=one.z0), one.size[2])
-    yield Top(space, 0.5)
+            yield one.inset(y1=0.03)
+    yield space.cut(z0=height, z1=height + 0.5)
 
 
 def _books(kit: Kit, space: Box) -> Piece:
@@ -215,8 +213,14 @@ def _books(kit: Kit, space: Box) -> Piece:
         run, high, thickness, shift = kit.draw("books")
         run = min(run, end - x)  # one edition: equal heights
         top = space.z0 + height * high
-        front = space.y0 + shift * depth
         start = x + thickness * np.arange(max(1, int(run / thickness)))
-        books = space.cut(x0=start, x1=start + thickness - 0.001, y0=front, z1=top)
-        yield "paper", books
+        yield (
+            "paper",
+            space.cut(
+                x0=start,
+                x1=start + thickness - 0.001,
+                y0=space.y0 + shift * depth,
+                z1=top,
+            ),
+        )
         x += len(start) * thickness + 0.002

@@ -10,7 +10,7 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import ArrayLike
 
-from cmtof.types import Array, Flags, Numbers, Shape
+from cmtof.types import Array, Flags, Numbers
 from cmtof_rooms.bounce import measure_bounce
 from cmtof_rooms.engine import Tracer
 from cmtof_rooms.materials import Palette
@@ -23,6 +23,11 @@ _NEIGHBOURS = [
     (slice(1, None), slice(-1)),
     (slice(-1), slice(1, None)),
 ]
+
+# Places on a light that each of 4 x 4 pixels asks for: all 16, those of neighbours far apart.
+_SAMPLES = np.array(
+    [[0, 10, 2, 8], [5, 15, 7, 13], [1, 11, 3, 9], [4, 14, 6, 12]],
+)
 
 
 class Picture(NamedTuple):
@@ -65,10 +70,10 @@ class Interior:
     faces : ndarray of int, shape (F, 3)
     normals : ndarray, shape (F, 3)
         Unit vectors, outwards.
-    part : ndarray of int, shape (F,)
-        Number of the part that each triangle belongs to.
-    instance : ndarray of int, shape (P,)
-        Number of the thing that each part belongs to, from 1 on.
+    part : ndarray of int, shape (F + 1,)
+        Number of the part that each triangle belongs to; the last is -1, for triangle -1, none.
+    instance : ndarray of int, shape (P + 1,)
+        Number of the thing that each part belongs to, from 1 on; the last is -1, for part -1.
     """
 
     def __init__(
@@ -86,8 +91,8 @@ class Interior:
         whole = join(part.mesh for part in parts)
         self.vertices = np.asarray(whole.vertices, np.float32)
         self.faces = whole.faces
-        self.part = _numbers([len(part.mesh.faces) for part in parts])
-        self.instance = _numbers([len(thing.parts) for thing in things]) + 1
+        self.part = _numbers(0, [len(part.mesh.faces) for part in parts])
+        self.instance = _numbers(1, [len(thing.parts) for thing in things])
         self.palette = Palette([part.material for part in parts])
         self.tracer = Tracer(self.vertices, self.faces)
         a, b, c = self.vertices.astype(np.float64)[self.faces].swapaxes(0, 1)
@@ -120,7 +125,8 @@ class Interior:
             footprint.astype(np.float32),
         )
         # neighbours ask for different places on the lights
-        direct = self.direct(seen.position, seen.normal, _tiles(seen.part.shape))
+        sample = _SAMPLES[tuple(np.indices(seen.part.shape) % 4)]
+        direct = self.direct(seen.position, seen.normal, sample)
         light = _smooth(direct, seen.part, seen.normal) + self._bounced_light(seen)
         emission = self.palette.looks["emission"][seen.part]
         color = albedo * (light + emission[..., None])
@@ -128,12 +134,11 @@ class Interior:
         color[missed] = self.sky
         seen.normal[missed] = 0.0
         seen.distance[missed] = np.nan
-        instance = np.where(missed, -1, self.instance[seen.part])
         return Picture(
             color,
             seen.distance.astype(np.float32),
             seen.normal,
-            instance.astype(np.int32),
+            self.instance[seen.part].astype(np.int32),
         )
 
     def _surface(self, eye: Array, rays: Array) -> Surface:
@@ -151,7 +156,7 @@ class Interior:
             along == 0, 1e-12, along
         )
         return Surface(
-            np.where(triangle >= 0, self.part[triangle], -1),
+            self.part[triangle],
             distance,
             np.abs(along),
             (eye + distance[..., None] * rays).astype(np.float32),
@@ -232,15 +237,9 @@ class Interior:
         return np.where(alike[..., None], found[lead], found)
 
 
-def _numbers(counts: list[int]) -> Numbers:
-    """Number of the group, from 0 on, for each item of groups with sizes ``counts``."""
-    return np.repeat(np.arange(len(counts)), counts)
-
-
-def _tiles(shape: Shape) -> Numbers:
-    """Number 0 to 15 of each pixel (H, W): all in every 4 x 4 pixels, neighbours' far apart."""
-    order = [[0, 10, 2, 8], [5, 15, 7, 13], [1, 11, 3, 9], [4, 14, 6, 12]]
-    return np.array(order)[tuple(np.indices(shape) % 4)]
+def _numbers(first: int, counts: list[int]) -> Numbers:
+    """Number of the group, from ``first`` on, of each item of groups with sizes ``counts``; -1."""
+    return np.append(np.repeat(np.arange(len(counts)) + first, counts), -1)
 
 
 def _smooth(image: Array, part: Numbers, normal: Array) -> Array:

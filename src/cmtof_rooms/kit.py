@@ -1,12 +1,13 @@
 """What makers of furniture work with: random numbers, materials, and what they yield.
 
 A maker fills a `Box` that stands on z = 0 about the z axis, its front towards -y. It yields the
-solids of a piece of furniture, tops on which other things can stand, and the light of a lamp.
+solids of a piece of furniture, boxes of free space on it where other things can stand, and the
+light of a lamp.
 """
 
 from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import dataclass
-from typing import Any, NamedTuple
+from typing import Any
 
 import numpy as np
 from numpy.random import Generator
@@ -19,18 +20,10 @@ from cmtof_rooms.presets import presets
 from cmtof_rooms.solids import join
 from cmtof_rooms.things import Light, Part, Solid, meshes_of
 
-
-class Top(NamedTuple):
-    """Where things can stand: the upper side of a box."""
-
-    area: Box
-    room: float = 1.0  # free height above it, m
-
-
 # Solids of one material, or of one drawn for a role, which become a part.
 Solids = tuple[Material | str, *tuple[Solid, ...]]
 
-Piece = Iterator[Solids | Top | Light]  # A piece of furniture as its maker yields it
+Piece = Iterator[Solids | Box | Light]  # A piece of furniture as its maker yields it
 
 
 @dataclass(frozen=True)

@@ -1,11 +1,11 @@
 """Materials of rooms: a reflectance, a pattern of two colours, light of their own."""
 
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
 from typing import NamedTuple
 
 import numpy as np
 
-from cmtof.types import Array, Arrays, Numbers
+from cmtof.types import Array, Arrays, Flags, Numbers
 from cmtof_rooms.boxes import Triple
 
 Colour = Triple
@@ -54,22 +54,22 @@ def _smooth_step(share: Array) -> Array:
     return share * share * (3 - 2 * share)
 
 
-def _stripes(s: Array, t: Array) -> Array:
+def _stripes(s: Array, t: Array) -> Flags:
     """Stripes along t."""
-    return (s % 1 < 0.5).astype(np.float32)
+    return s % 1 < 0.5
 
 
 def _checks(s: Array, t: Array) -> Array:
     """Squares of both colours by turns."""
-    return ((np.floor(s) + np.floor(t)) % 2).astype(np.float32)
+    return (np.floor(s) + np.floor(t)) % 2
 
 
-def _tiles(s: Array, t: Array) -> Array:
+def _tiles(s: Array, t: Array) -> Flags:
     """Joints of square tiles."""
-    return np.maximum(s % 1 < 0.05, t % 1 < 0.05).astype(np.float32)
+    return (s % 1 < 0.05) | (t % 1 < 0.05)
 
 
-def _bricks(s: Array, t: Array) -> Array:
+def _bricks(s: Array, t: Array) -> Flags:
     """Joints of bricks, each second row shifted by half a brick."""
     return _tiles(s / 2 + 0.5 * (np.floor(t) % 2), t)
 
@@ -93,14 +93,14 @@ def _cloudy(s: Array, t: Array) -> Array:
     return 0.7 * _noise(s, t) + 0.3 * _noise(3 * s, 3 * t)
 
 
-def _dots(s: Array, t: Array) -> Array:
+def _dots(s: Array, t: Array) -> Flags:
     """Round dots in rows."""
     off_centre = (s % 1 - 0.5) ** 2 + (t % 1 - 0.5) ** 2
-    return (off_centre < 0.09).astype(np.float32)
+    return off_centre < 0.09
 
 
 # Share, 0 to 1, of the second colour at coordinates in periods; a plain material has no pattern.
-PATTERNS: dict[str, Callable[[Array, Array], Array]] = {
+PATTERNS = {
     "stripes": _stripes,
     "checks": _checks,
     "tiles": _tiles,
@@ -166,7 +166,7 @@ class Palette:
             some = looks["pattern"] == name
             scale = looks["scale"][some]
             s, t = _coordinates(position[some] / scale[:, None], normal[some])
-            share = pattern(s, t)
+            share = pattern(s, t).astype(np.float32)
             fade = np.clip(2.5 * footprint[some] / scale - 0.5, 0, 1)
             share = (share + fade * (MEAN_SHARE - share)).astype(np.float32)[:, None]
             found[some] += share * (looks["second"][some] - found[some])

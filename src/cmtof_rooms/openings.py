@@ -47,12 +47,20 @@ def add_passage(kit: Kit, shell: Shell, wall: Wall) -> None:
     far = THICKNESS + depth
     ceiling = max(height + 0.1, min(shell.height, 3.0))
     space = Box(hole.x0 - left, hole.x1 + right, THICKNESS, far, 0.0, ceiling)
-    _add_room_beyond(kit, shell, wall, space)
-    length = space.x1 - space.x0
-    shell.beyond.append(Wall(wall.place.at(space.x0, far), length))
+    outer = space.inset(x=-THICKNESS, y1=-THICKNESS)  # with the walls of that room
+    paint = kit.material("wall")
+    shell.build(
+        "room beyond",
+        wall.place,
+        (paint, outer.ends("x", THICKNESS), outer.cut(y0=far)),
+        (kit.material("floor"), outer.cut(y0=0.0, z0=-0.2, z1=0.0)),
+        (paint, outer.cut(z0=ceiling, z1=ceiling + THICKNESS)),
+    )
+    shell.beyond.append(Wall(wall.place.at(space.x0, far), space.size[0]))
     lamp = wall.place.carry(space.cut(z0=ceiling - 0.06).middle)
-    power = min(0.25 * length * depth, 2.0)
-    shell.lights.append(level_light(lamp, 0.4, 0.4, power))
+    shell.lights.append(
+        level_light(lamp, 0.4, min(0.25 * (space.x1 - space.x0) * depth, 2.0))
+    )
 
 
 def _doorway(
@@ -63,7 +71,7 @@ def _doorway(
     The floor before it stays free.
     """
     width, height = size
-    for _ in range(12 if wall.length >= width + 0.3 else 0):
+    for _ in range(12):
         x = kit.between(0.15, wall.length - width - 0.15)
         hole = Box(x, x + width, 0.0, THICKNESS, 0.0, height)
         if not hole.inset(x=-0.1, z1=-9.0).meets(wall.taken):
@@ -71,20 +79,6 @@ def _doorway(
             shell.keep.append(wall.in_room(hole.cut(y0=-0.9, y1=0.0)))
             return hole
     return None
-
-
-def _add_room_beyond(kit: Kit, shell: Shell, wall: Wall, space: Box) -> None:
-    """Add walls, floor and ceiling of a room beyond a wall, about its free space."""
-    t = THICKNESS
-    paint = kit.material("wall")
-    outer = space.inset(x=-t, y1=-t)
-    shell.build(
-        "room beyond",
-        wall.place,
-        (paint, outer.ends("x", t), outer.cut(y0=space.y1)),
-        (kit.material("floor"), outer.cut(y0=0.0, z0=-0.2, z1=0.0)),
-        (paint, outer.cut(z0=space.z1, z1=space.z1 + t)),
-    )
 
 
 def add_windows(kit: Kit, shell: Shell, wall: Wall, *, view: bool) -> None:
@@ -136,13 +130,12 @@ def _glaze(
 
 
 def _daylight(wall: Wall, holes: Boxes, power: float) -> Light:
-    """One light for a row of windows."""
-    row = holes[0].cut(x1=holes[-1].x1)
-    x, _, z = row.middle
+    """One light for a row of windows, 1 cm before the wall."""
+    row = holes[0].cut(x1=holes[-1].x1, y0=-0.02, y1=0.0)
     half_x, _, half_z = row.size / 2
     along, outwards, up = turn_about_z(wall.place.turn)
     return Light(
-        wall.place.carry((x, -0.01, z)),
+        wall.place.carry(row.middle),
         along * half_x,
         up * half_z,
         -outwards,

@@ -72,8 +72,9 @@ class Settings:
         angle = np.radians(
             stream(self.seed, index, LENS).choice([60, 60, 60, 52, 44, 35])
         )
-        drawn = float(self.width / 2 / np.tan(angle / 2))
-        focal = drawn if self.focal is None else self.focal
+        focal = self.focal
+        if focal is None:
+            focal = float(self.width / 2 / np.tan(angle / 2))
         if not 1 <= focal < 1e6:
             raise ValueError(
                 f"Expected a focal length of 1 to 1e6 px, got {focal}. Try the width."
@@ -92,16 +93,12 @@ class RenderedView(NamedTuple):
     @property
     def frame(self) -> Frame:
         """Frame for the simulator: range, linear green, camera."""
-        green = self.picture.color[..., 1]
-        name = f"{self.view.scene}/{self.view.camera}"
-        return Frame(self.picture.depth, green, self.lens.camera, name)
-
-
-class Report(NamedTuple):
-    """What was done for one room."""
-
-    scene: str  # folder of the room
-    rendered: int  # views; those that were there already do not count
+        return Frame(
+            self.picture.depth,
+            self.picture.color[..., 1],
+            self.lens.camera,
+            f"{self.view.scene}/{self.view.camera}",
+        )
 
 
 def split_of(index: int) -> str:
@@ -166,8 +163,8 @@ def render_views(settings: Settings) -> Iterator[RenderedView]:
 def list_views(settings: Settings, index: int) -> list[View]:
     """Views of a room: those across it (``cam_00``), then those close to things (``cam_01``)."""
     name = room_name(settings.seed, index)
-    counts = count_views(index, settings.views)
-    return [View(name, camera, k) for camera in counts for k in range(counts[camera])]
+    counts = count_views(index, settings.views).items()
+    return [View(name, camera, k) for camera, count in counts for k in range(count)]
 
 
 def views_of_room(
@@ -222,13 +219,13 @@ def write_view(root: Path, view: View, **arrays: ArrayLike) -> None:
             part.write_bytes(content.getvalue())
 
 
-def render_room(root: Path, settings: Settings, index: int) -> Report:
-    """Write the views of one room that are not there yet."""
+def render_room(root: Path, settings: Settings, index: int) -> int:
+    """Write the views of one room that are not there yet, and return how many these were."""
     views = list_views(settings, index)
     missing = [view for view in views if not view_exists(root, view)]
     for seen in views_of_room(settings, index, missing) if missing else ():
         write_view(root, seen.view, **seen.picture._asdict())
-    return Report(room_name(settings.seed, index), len(missing))
+    return len(missing)
 
 
 def render_rooms(
@@ -236,8 +233,8 @@ def render_rooms(
     settings: Settings,
     *,
     workers: int | None = None,
-    progress: Callable[[Report], None] = lambda done: None,
-) -> list[Report]:
+    progress: Callable[[str], None] = lambda scene: None,
+) -> int:
     """Render a set of rooms; views that are there already are kept.
 
     Parameters
@@ -249,7 +246,12 @@ def render_rooms(
     workers : int, optional
         Processes; by default one a core.
     progress : callable
-        Called with each room as it is done.
+        Called with the name of each room as it is done.
+
+    Returns
+    -------
+    int
+        How many views were rendered.
 
     Raises
     ------
@@ -265,19 +267,23 @@ def render_rooms(
         )
         for index in range(settings.scenes)
     }
-    reports = []
+    rendered = 0
     root.mkdir(parents=True, exist_ok=True)
     with exclusive_lock(root, wait=True):
         _claim(root, settings)
         write_metadata(root, (settings.height, settings.width), scenes)
-        for report in _each(root, settings, workers):
-            progress(report)
-            reports.append(report)
-    return reports
+        counts = _each(root, settings, workers)
+        for scene, count in zip(scenes, counts, strict=True):
+            progress(scene)
+            rendered += count
+    return rendered
 
 
-def _each(root: Path, settings: Settings, workers: int | None) -> Iterator[Report]:
-    """Reports of rooms, rendered in order by one process or several; none begins after Ctrl-C."""
+def _each(root: Path, settings: Settings, workers: int | None) -> Iterator[int]:
+    """Render rooms in order by one process or several; none begins after Ctrl-C.
+
+    Yields how many views of each were rendered.
+    """
     render = partial(render_room, root, settings)
     if workers == 1:
         yield from map(render, range(settings.scenes))
@@ -286,8 +292,8 @@ def _each(root: Path, settings: Settings, workers: int | None) -> Iterator[Repor
     with ProcessPoolExecutor(workers, mp_context=spawn, initializer=_follow) as pool:
         try:
             with delay_interrupts():  # Ctrl-C is for the parent
-                reports = pool.map(render, range(settings.scenes))
-            yield from reports
+                counts = pool.map(render, range(settings.scenes))
+            yield from counts
         finally:
             pool.shutdown(cancel_futures=True)
 

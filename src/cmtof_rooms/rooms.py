@@ -20,9 +20,9 @@ from cmtof_rooms.cameras import (
 )
 from cmtof_rooms.furnishing import Furnishing
 from cmtof_rooms.interior import Interior
-from cmtof_rooms.kit import Kit, household, weighted_choice
+from cmtof_rooms.kit import household, weighted_choice
 from cmtof_rooms.presets import presets
-from cmtof_rooms.shell import Shell, Wall
+from cmtof_rooms.shell import Shell
 from cmtof_rooms.things import Light, Thing, level_light
 
 CLOSE_SHARE = 0.05  # share of a set's views that are taken from 0.5 to 1.2 m
@@ -112,8 +112,11 @@ def build_room(seed: int, index: int) -> FurnishedRoom:
     inside = Furnishing(shell, kit, clear=list(shell.keep))
     tidy = kit.between(0.7, 1.5)
     inside.fill({name: tidy * mean for name, mean in room["things"].items()})
-    for wall in shell.beyond:
-        inside.things += _things_beyond(wall, kit)
+    everywhere = Box(-99.0, 99.0, -99.0, 99.0, 0.0, 99.0)
+    for wall in shell.beyond:  # furniture at the far wall of a room beyond a passage
+        far = Furnishing(Shell(0.0, 0.0, 2.0, [wall], [everywhere]), kit)
+        far.fill(presets()["beyond"])
+        inside.things += far.things
     interior = Interior(
         shell.things + inside.things,
         _strongest(shell, inside.lights),
@@ -129,23 +132,11 @@ def build_room(seed: int, index: int) -> FurnishedRoom:
     )
 
 
-def _things_beyond(wall: Wall, kit: Kit) -> list[Thing]:
-    """Furniture at the far wall of a room beyond a passage."""
-    everywhere = Box(-99.0, 99.0, -99.0, 99.0, 0.0, 99.0)
-    far = Furnishing(Shell(0.0, 0.0, 2.0, [wall], [everywhere]), kit)
-    far.fill(presets()["beyond"])
-    return far.things
-
-
 def _strongest(shell: Shell, lamps: list[Light]) -> list[Light]:
     """The `LIGHTS` strongest lights at most, brightened by the power of those left out."""
     if not shell.lights and not lamps:  # a lamp that nobody sees
-        middle = (
-            shell.width / 2,
-            shell.depth / 2,
-            shell.height - 0.05,
-        )
-        lamps = [level_light(middle, 0.3, 0.3, 2.0)]
+        middle = (shell.width / 2, shell.depth / 2, shell.height - 0.05)
+        lamps = [level_light(middle, 0.3, 2.0)]
     dimmed = 0.15 if shell.day else 1.0
     lamps = [lamp._replace(power=lamp.power * dimmed) for lamp in lamps]
     every = sorted([*shell.lights, *lamps], key=lambda light: -light.power)

@@ -28,7 +28,7 @@ class Wall:
     def in_room(self, box: Box) -> Box:
         """A box of the wall's own frame in that of the room; walls along x or y only."""
         corners = np.sort(self.place.carry([box.low, box.high]), axis=0)
-        return Box(*corners.T.ravel().tolist())
+        return Box(*corners.T.flat)
 
     def take(self, box: Box, side: float = 0.05, above: float = 0.05) -> None:
         """Let nothing be in or before the wall at a box and in margins, m, beside and above it."""
@@ -46,8 +46,10 @@ class Wall:
             (hole.x0 + THICKNESS, hole.x1 + THICKNESS, hole.z0, hole.z1)
             for hole in self.holes
         ]
-        whole = plate(self.length + 2 * THICKNESS, height, THICKNESS, holes)
-        return move(whole, (-THICKNESS, 0, 0))
+        return move(
+            plate(self.length + 2 * THICKNESS, height, THICKNESS, holes),
+            (-THICKNESS, 0, 0),
+        )
 
 
 @dataclass

@@ -1,6 +1,6 @@
 """Solids of rooms: a few closed shapes on trimesh, in metres, z up."""
 
-from collections.abc import Iterable, Sequence
+from collections.abc import Iterable
 from itertools import product
 
 import numpy as np
@@ -11,6 +11,7 @@ from numpy.typing import ArrayLike
 from trimesh import Trimesh
 
 from cmtof.types import Array, Numbers
+from cmtof_rooms.boxes import Box
 
 # Corners of a unit cube about the origin.
 _CORNERS = np.indices((2, 2, 2)).reshape(3, 8).T - 0.5
@@ -42,9 +43,8 @@ def slab(*limits: float) -> Trimesh:
     >>> slab(0, 1, 0, 2, 1, 4).bounds.tolist()
     [[0.0, 0.0, 1.0], [1.0, 2.0, 4.0]]
     """
-    low, high = np.reshape(limits, (3, 2)).T
-    middle = (low + high) / 2
-    return mesh_from(middle + _CORNERS * (high - low), _BOX_FACES)
+    box = Box(*limits)
+    return mesh_from(box.middle + _CORNERS * box.size, _BOX_FACES)
 
 
 def extrusion(outline: ArrayLike, height: float) -> Trimesh:
@@ -70,7 +70,7 @@ def plate(
     width: float,
     height: float,
     thickness: float,
-    holes: Sequence[Sequence[float]] = (),
+    holes: ArrayLike = (),
 ) -> Trimesh:
     """Upright plate over x in [0, width], z in [0, height], y in [0, thickness], with holes.
 
@@ -78,8 +78,8 @@ def plate(
     ----------
     width, height, thickness : float
         m.
-    holes : sequence of (x0, x1, z0, z1)
-        Rectangles cut out of it, m; they may touch the plate's edge.
+    holes : array_like, shape (N, 4)
+        Limits x0, x1, z0, z1 of rectangles cut out of it, m; they may touch the plate's edge.
 
     Returns
     -------
@@ -91,28 +91,20 @@ def plate(
     >>> wall.is_watertight, round(float(wall.volume), 6)
     (True, 1.6)
     """
-    cut = np.array(holes, float).reshape(-1, 4)
-    x = _lines(width, cut[:, :2])
-    z = _lines(height, cut[:, 2:])
-    number = np.arange(len(x) * len(z)).reshape(len(x), -1)
-    cells = cells_of(number)
-    whole = np.ones(cells.shape[:2], bool)
-    for hole in cut:
-        across = slice(*np.searchsorted(x, hole[:2]))
-        upright = slice(*np.searchsorted(z, hole[2:]))
-        whole[across, upright] = False
+    cut = np.reshape(holes, (-1, 2, 2)).clip(0, [[width], [height]])
+    x = np.unique([0.0, width, *cut[:, 0].flat])
+    z = np.unique([0.0, height, *cut[:, 1].flat])
+    points = np.array([*product(x, z)])
+    cells = cells_of(np.arange(len(points)).reshape(len(x), -1)).reshape(-1, 4)
+    corner = points[cells[:, 0], None]  # the lowest one of each cell
+    cut_out = ((cut[..., 0] <= corner) & (corner < cut[..., 1])).all(-1).any(-1)
     flat = trimesh.creation.extrude_triangulation(
-        [*product(x, z)],
-        triangles_of(cells[whole]),
+        points,
+        triangles_of(cells[~cut_out]),
         thickness,
     )
     # (x, z, y) to (x, y, z) is a reflection
     return mesh_from(flat.vertices[:, [0, 2, 1]], flat.faces[:, ::-1])
-
-
-def _lines(length: float, edges: Array) -> Array:
-    """Positions of grid lines: both ends and every edge of a hole between them."""
-    return np.unique(np.clip(np.append(edges, [0.0, length]), 0, length))
 
 
 def cells_of(number: Numbers) -> Numbers:
@@ -246,8 +238,10 @@ def sheet(grid: ArrayLike, thickness: float) -> Trimesh:
         _join_corners(rim, rim + behind, following),
         _join_corners(following, rim + behind, following + behind),
     ]
-    vertices = np.concatenate([points, back]).reshape(-1, 3)
-    return mesh_from(vertices, np.concatenate(faces))
+    return mesh_from(
+        np.concatenate([points, back]).reshape(-1, 3),
+        np.concatenate(faces),
+    )
 
 
 def join(meshes: Iterable[Trimesh]) -> Trimesh:

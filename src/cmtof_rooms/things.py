@@ -1,6 +1,6 @@
 """What a room consists of: solids of one material, things made of them, lights, and places."""
 
-from collections.abc import Iterable
+from collections.abc import Iterable, Iterator
 from typing import NamedTuple
 
 import numpy as np
@@ -15,15 +15,14 @@ from cmtof_rooms.solids import join, move, slab, turn_about_z
 Solid = Trimesh | Box
 
 
-def meshes_of(solids: Iterable[Solid]) -> list[Trimesh]:
+def meshes_of(solids: Iterable[Solid]) -> Iterator[Trimesh]:
     """Meshes of solids, one after the other; a box with arrays as limits becomes several."""
-    meshes = []
     for solid in solids:
         if isinstance(solid, Box):
-            meshes += [slab(*single) for single in solid.singles()]
+            for single in solid.singles():
+                yield slab(*single)
         else:
-            meshes.append(solid)
-    return meshes
+            yield solid
 
 
 class Part(NamedTuple):
@@ -86,16 +85,15 @@ class Light(NamedTuple):
 
 def level_light(
     centre: Vector,
-    half_x: float,
-    half_y: float,
+    half: float,
     power: float,
     direction: float = -1.0,
 ) -> Light:
-    """White light of half widths along x and y, m, that shines up (1), down (-1), all round (0)."""
+    """White square light of a half width, m, that shines up (1), down (-1), all round (0)."""
     return Light(
         centre,
-        (half_x, 0, 0),
-        (0, half_y, 0),
+        (half, 0, 0),
+        (0, half, 0),
         (0, 0, direction),
         power,
     )

@@ -41,7 +41,7 @@ def places(radius):
     [
         (point_light(3.0), 1.5, 3e-4),  # Lambert's law; rays start 0.2 mm above
         (
-            level_light((0, 0, 2), 0.1, 0.1, 3.0),
+            level_light((0, 0, 2), 0.1, 3.0),
             2,
             0.01,
         ),  # form factor of a small square
@@ -78,7 +78,7 @@ def test_a_furnace_of_equal_radiance_one_gives_irradiance_one_to_all_sides(rng):
 
 @mark.parametrize("albedo", [0.0, 0.4, 0.8])
 def test_one_bounce_gives_no_more_than_reflectance_times_the_first_light(albedo, rng):
-    light = level_light((0, 0, 1.9), 0.2, 0.2, 1.0)
+    light = level_light((0, 0, 1.9), 0.2, 1.0)
     interior = Interior([floor(albedo), floor(albedo, 2.5)], [light], INSIDE)
     points = rng.uniform(-1, 1, (81, 3)).astype(np.float32)
     points[:, 2] = 1.99
@@ -90,7 +90,7 @@ def test_one_bounce_gives_no_more_than_reflectance_times_the_first_light(albedo,
 
 
 def test_only_what_is_lit_from_its_front_scatters_light():
-    interior = Interior([floor()], [level_light((0, 0, 2), 0.1, 0.1, 3.0)], INSIDE)
+    interior = Interior([floor()], [level_light((0, 0, 2), 0.1, 3.0)], INSIDE)
     origins = np.zeros((3, 3), np.float32)
     origins[:, 2] = [1, -0.5, 1]
     rays = np.zeros_like(origins)

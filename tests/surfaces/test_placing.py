@@ -22,7 +22,7 @@ from cmtof.surfaces.blocks import region_of_boxes
 from cmtof.surfaces.field import CELL
 from cmtof.surfaces.fitting import change_by_a_wrap, move_surface
 from cmtof.surfaces.roughness import cells_of_surfaces
-from cmtof.surfaces.shapes import PLANE, depth_of_labels
+from cmtof.surfaces.shapes import PLANE
 
 INNER = np.zeros(SHAPE, np.int32)
 BOXES = whole_boxes()
@@ -35,8 +35,7 @@ def a_fit(missed=0.0):
 
 
 def beats_of(field, q):
-    depth = depth_of_labels(field, INNER, q[None])
-    return pooled_beats(field, cells_of_surfaces(field, INNER, depth, 1))
+    return pooled_beats(field, cells_of_surfaces(field, INNER, q[None]))
 
 
 def beat_noise(information):
@@ -62,11 +61,11 @@ def test_pooled_beats_scatter_as_the_sum_of_their_phasors(rng):
 
 def test_pixels_with_the_beat_of_another_surface_hardly_count(rng):
     """One in ten is mixed with a wall 14 wraps behind; together they would move it by 1.4."""
-    depth, _ = plane_depth()
+    depth, q = plane_depth()
     field = exact_field(depth, information=5000.0, noise_of=rng)
     field.phasor[1, rng.random(SHAPE) < 0.1] *= np.exp(2j * np.pi * EXCESS * 14)
     beat, noise, _ = pooled_beats(
-        field, cells_of_surfaces(field, INNER, depth, 1, side=1)
+        field, cells_of_surfaces(field, INNER, q[None], side=1)
     )
     assert abs(beat) < 0.3 and noise < 0.05
 
@@ -76,10 +75,10 @@ def test_every_pixel_of_a_narrow_surface_counts_where_pixels_are_clear(
     information, side, share
 ):
     """Strips of three pixels that meet no middle of a cell."""
-    depth, _ = plane_depth()
+    depth, q = plane_depth()
     field = exact_field(depth, information=information)
     strips = np.where(COLUMNS % CELL < 3, INNER, -1)
-    cells = cells_of_surfaces(field, strips, depth, 1, field.side)
+    cells = cells_of_surfaces(field, strips, q[None], field.side)
     assert cells.side == side
     counted = field.information[:, strips >= 0].sum() * share
     assert cells.information.sum() == approx(counted)

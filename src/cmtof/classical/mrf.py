@@ -79,7 +79,11 @@ def mrf_graphcut(measurement: Measurement) -> Estimate:
     """
     field = wrap_field(measurement)
     start, odds = semi_global_labels(field)
-    labels = lower_energy(field, start)
+    labels = start
+    for step in MOVES:
+        moved = labels + step * best_move(field, labels, step)
+        # rounding may propose a move that does not lower it
+        labels = min(labels, moved, key=partial(energy, field))
     changed = np.where(labels == start, odds, np.minimum(odds, 1 - odds))
     return estimate_with_beat(field.depth(labels, measurement), changed, measurement)
 
@@ -88,7 +92,9 @@ def wrap_field(measurement: Measurement) -> RandomField:
     """Smoothed phases and beat of a measurement, weighted by their noise."""
     low, high = measurement.frequencies
     synthetic = synthetic_frequency(low, high)
-    phasors = _phasors(measurement)
+    # zero where one of the two is unknown
+    known = np.isfinite(measurement.amplitude).all(axis=0)
+    phasors = np.where(known, measurement.amplitude, 0) * np.exp(1j * measurement.phase)
     slope = _slope(phasors[0])
     smooth = _coherent_mean(phasors, slope, high / low, RADIUS)
     noise = _noise(phasors, _coherent_mean(phasors, slope, high / low, 1))
@@ -97,21 +103,15 @@ def wrap_field(measurement: Measurement) -> RandomField:
     beat = synthetic.sign * (np.angle(smooth[1]) - synthetic.multiple * mean_phase)
     first, last = wraps_in_range(measurement)
     share = synthetic.frequency / low
-    turned = _pool_beat(_sharpness(abs(smooth), noise), beat, share * slope)
-    turned = turned * np.exp(-1j * share * (mean_phase + TAU * first))
+    beat = _pool_beat(_sharpness(abs(smooth), noise), beat, share * slope)
+    beat = beat * np.exp(-1j * share * (mean_phase + TAU * first))
     angles = TAU * share * np.arange(last - first + 1)
     return RandomField(
         mean_phase.astype(np.float32),
-        turned.astype(np.complex64),
+        beat.astype(np.complex64),
         np.array([np.cos(angles), np.sin(angles)], np.float32),
         first,
     )
-
-
-def _phasors(measurement: Measurement) -> Complex:
-    """Phasors (2, H, W), counts; zero where one of them is unknown."""
-    known = np.isfinite(measurement.amplitude).all(axis=0)
-    return np.where(known, measurement.amplitude, 0) * np.exp(1j * measurement.phase)
 
 
 def _sharpness(size: Array, noise: Array) -> Array:
@@ -237,14 +237,6 @@ def _least_cost(before, fall, buffers):  # pragma: no cover - compiled
     # labels rise where the phase falls by a wrap
     start = 3 - int(np.rint(fall / np.float32(TAU)))
     return wide[start : start + before.size]
-
-
-def lower_energy(field: RandomField, labels: Numbers) -> Numbers:
-    """Labels (H, W) after those of `MOVES` that lower the energy; rounding may propose others."""
-    for step in MOVES:
-        moved = labels + step * best_move(field, labels, step)
-        labels = min(labels, moved, key=partial(energy, field))
-    return labels
 
 
 def energy(field: RandomField, labels: Numbers) -> float:

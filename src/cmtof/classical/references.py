@@ -6,9 +6,8 @@ every true surface but not its place: phasors demodulated by the true depth, ``a
 both the whole wraps. They are no bounds: neighbours could place small and dark surfaces.
 """
 
-from collections.abc import Callable, Iterator
+from collections.abc import Callable
 from functools import partial
-from typing import Any
 
 import numpy as np
 from scipy.ndimage import find_objects, uniform_filter
@@ -25,7 +24,7 @@ from cmtof.correlation import (
 from cmtof.estimate import Estimate
 from cmtof.hardness import BEND, bends
 from cmtof.measurement import Measurement
-from cmtof.types import Array, Complex, Flags, Numbers
+from cmtof.types import Array, Complex, Numbers
 
 SIDE = 281  # receptive field of the paper's network as built here, px
 
@@ -136,7 +135,11 @@ def _pool_within(phasors: Complex, surface: Numbers, side: int) -> Pooled:
     """Phase and spread (H, W), rad, of phasors summed over each pixel's surface in a square."""
     phase = np.angle(phasors)
     spread = np.full(phasors.shape, np.inf)
-    for place, inside in _pieces(surface):
+    size = np.bincount(surface.ravel())
+    for number, place in enumerate(find_objects(surface + 1)):
+        if size[number] < 2:
+            continue
+        inside = surface[place] == number
         own_phasors = np.where(inside, phasors[place], 0)
         share = np.maximum(_square_mean(inside.astype(float), side), 0.5 / side**2)
         mean = _square_mean(own_phasors, side) / share
@@ -146,11 +149,3 @@ def _pool_within(phasors: Complex, surface: Numbers, side: int) -> Pooled:
         phase[place][inside] = np.angle(mean)[inside]
         spread[place][known] = noise[known]
     return Pooled(phase, spread)
-
-
-def _pieces(surface: Numbers) -> Iterator[tuple[Any, Flags]]:
-    """Bounding box of each surface of two or more pixels, and its pixels in the box."""
-    size = np.bincount(surface.ravel())
-    for number, place in enumerate(find_objects(surface + 1)):
-        if size[number] > 1:
-            yield place, surface[place] == number

@@ -166,7 +166,7 @@ def evaluate(
 
 def _print_missing(missing: Mapping[str, Exception]) -> None:
     """Print one line on stderr per failure: the methods left out because of it."""
-    methods_by_line: dict[str, list[str]] = {}
+    methods_by_line = {}
     for name, error in missing.items():
         methods_by_line.setdefault(error_line(error), []).append(name)
     for line, names in methods_by_line.items():

@@ -25,25 +25,20 @@ def render(
         from cmtof_rooms.rendering import shape_from_text
 
     height, width = shape_from_text(rooms.pop("size"))
-    done = _render_set(output, quiet, workers, height=height, width=width, **rooms)
-    rendered = sum(one.rendered for one in done)
+    rendered = _render_set(output, quiet, workers, height=height, width=width, **rooms)
     print(
         f"{output}: {rooms['scenes']} rooms, {rooms['views']} views each; "
         f"{rendered} views rendered"
     )
 
 
-def _render_set(
-    output: Path, quiet: bool, workers: int | None, **settings: Any
-) -> list:
-    """Render what a set of rooms still lacks, with a progress bar; return a report of each room."""
+def _render_set(output: Path, quiet: bool, workers: int | None, **settings: Any) -> int:
+    """Render what a set of rooms still lacks, with a progress bar; return how many views it was."""
     from cmtof_rooms.rendering import Settings, render_rooms
 
     chosen = Settings(**settings)
     with progress(chosen.scenes, quiet) as advance:
-        return render_rooms(
-            output, chosen, workers=workers, progress=lambda one: advance(one.scene)
-        )
+        return render_rooms(output, chosen, workers=workers, progress=advance)
 
 
 def train(

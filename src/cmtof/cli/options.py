@@ -83,6 +83,6 @@ def check_of_file(suffix: str) -> Callable[[File], File]:
     def check(path: File) -> File:
         # a file is replaced only if its name has the suffix
         free = suffix != ".nc" and path and not path.exists()
-        return path and check_output(path, *[] if free else [suffix]) and path
+        return path and check_output(path, "" if free else suffix) and path
 
     return check

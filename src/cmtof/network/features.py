@@ -26,7 +26,7 @@ CLASSES = {
 ORDER = 5
 
 # Inputs by name: the rows of Table 1, those with the beat besides, and raw correlations.
-FEATURE_SETS: dict[str, tuple[str, ...]] = {
+FEATURE_SETS = {
     "phase": ("phase", "amplitude"),
     "octaves": ("phase", "fourier"),
     "fourier": ("phase", "fourier", "amplitude"),

@@ -15,12 +15,11 @@ from cmtof.files import AnyPath, check_input, read_document
 from cmtof.network.models import MODELS
 from cmtof.network.weights import Count, Share, Strict
 from cmtof.simulation import Protocol
-from cmtof.types import Fields
 from cmtof.validation import checked_values
 
 Size = Annotated[int, Field(ge=1, le=4096)]  # px
 # Configurations that travel with the package, by name.
-PRESETS: Fields = read_document(Path(__file__).with_name("train.yml"))
+PRESETS = read_document(Path(__file__).with_name("train.yml"))
 
 
 class Rooms(Strict):

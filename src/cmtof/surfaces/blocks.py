@@ -35,43 +35,29 @@ def region_of_boxes(boxes):  # pragma: no cover - compiled
 @njit()
 def blocks_of_boxes(boxes):  # pragma: no cover - compiled
     """Row and column of the first pixel of each block (N, 2) of rectangles."""
-    count = 0
-    for top, bottom, left, right in boxes:
-        count += (bottom - top) * (right - left) // SIDE**2
-    places = np.empty((count, 2), np.int64)
-    n = 0
+    places = []
     for top, bottom, left, right in boxes:
         for y in range(top, bottom, SIDE):
             for x in range(left, right, SIDE):
-                places[n, 0] = y
-                places[n, 1] = x
-                n += 1
-    return places
+                places.append((y, x))
+    return np.array(places)
 
 
 @njit()
-def functions_of_blocks(field, places):  # pragma: no cover - compiled
-    """Functions (6, N) that sum to 1 / z, mid-block: cosine times u, v, 1, u^2, u v, v^2."""
-    last = SIDE - 1
-    out = np.empty((BENT, len(places)))
-    for n in range(len(places)):
-        y = places[n, 0]
-        x = places[n, 1]
-        v = (field.v[y] + field.v[y + last]) / 2
-        u = (field.u[x] + field.u[x + last]) / 2
-        length = np.sqrt(1 + u * u + v * v)
-        for i, value in enumerate((u, v, 1.0, u * u, u * v, v * v)):
-            out[i, n] = value / length
-    return out
+def depths_of_blocks(field, q, places):  # pragma: no cover - compiled
+    """Depth (N,), m, of a surface mid-block, and functions (6, N), of which q makes 1 / z there.
 
-
-@njit()
-def depths_of_blocks(q, functions):  # pragma: no cover - compiled
-    """Depth (N,), m, of a surface in the middle of blocks, by the functions (6, N) there."""
-    inverse = np.zeros(functions.shape[1])
+    They are the cosine times u, v, 1, u^2, u v, v^2.
+    """
+    y, x = places.T
+    v = (field.v[y] + field.v[y + SIDE - 1]) / 2
+    u = (field.u[x] + field.u[x + SIDE - 1]) / 2
+    functions = np.stack((u, v, np.ones(u.size), u * u, u * v, v * v))
+    functions /= np.sqrt(1 + u * u + v * v)
+    inverse = np.zeros(u.size)
     for i in range(BENT):
         inverse += q[i] * functions[i]
-    return 1 / np.maximum(inverse, FARTHEST)
+    return 1 / np.maximum(inverse, FARTHEST), functions
 
 
 @njit()
@@ -81,9 +67,7 @@ def block_sums(field, region, q, places):  # pragma: no cover - compiled
     information = np.zeros((2, len(places)))
     depth = np.empty(SIDE**2)
     unit = np.empty(SIDE**2, np.complex128)
-    for n in range(len(places)):
-        top = places[n, 0]
-        left = places[n, 1]
+    for n, (top, left) in enumerate(places):
         for i in range(SIDE**2):
             depth[i] = depth_at(field, q, top + i // SIDE, left + i % SIDE)
         for f in range(2):
@@ -143,8 +127,7 @@ def frequency_sums(field, q, boxes):  # pragma: no cover - compiled
     places = blocks_of_boxes(boxes)
     total, information = block_sums(field, region_of_boxes(boxes), q, places)
     out = np.zeros((2, 2))
-    for n in range(len(places)):
-        for f in range(2):
-            out[0, f] += total[f, n].real
-            out[1, f] += information[f, n]
+    for f in range(2):
+        out[0, f] = total[f].real.sum()
+        out[1, f] = information[f].sum()
     return out

@@ -95,12 +95,11 @@ def _crossings(label: Numbers) -> tuple[Numbers, Numbers]:
     pixels = np.arange(label.size).reshape(label.shape)
     here = np.append(pixels[:-1], pixels[:, :-1])  # above, then to the left of a border
     beyond = np.append(pixels[1:], pixels[:, 1:])
-    at = np.array([here, beyond])
-    pairs = label.ravel()[at]
-    crossed = (pairs.min(axis=0) >= 0) & (pairs[0] != pairs[1])
-    order = pairs[:, crossed].argsort(axis=0)
-    at = np.take_along_axis(at[:, crossed], order, axis=0)
-    return label.ravel()[at], at
+    flat = label.ravel()
+    at = np.where(flat[here] < flat[beyond], [here, beyond], [beyond, here])
+    pairs = flat[at]
+    crossed = (pairs[0] >= 0) & (pairs[0] != pairs[1])
+    return pairs[:, crossed], at[:, crossed]
 
 
 def _jumps(
@@ -112,17 +111,13 @@ def _jumps(
         np.subtract(*(depth_of_pixels(field, surfaces, n, *place) for n in pairs))
         for place in zip(*np.divmod(at, label.shape[1]), strict=True)
     )
-    here, beyond = _departures(field, label, surfaces, at)
+    depth = depth_of_labels(field, label, surfaces)
+    # how far phases about these pixels depart from those of their surface
+    total = sums_near(at.ravel(), turn_back(field, depth)[:1], label, _NEAR)
+    here, beyond = np.angle(total).reshape(at.shape) / TAU
     jump = (one + other) / 2 / field.period + here - beyond
     slope = abs(one - other) / field.period
     return np.array([jump, np.minimum(slope, 1)])
-
-
-def _departures(field: Field, label: Numbers, surfaces: Array, at: Numbers) -> Array:
-    """Mean departure (2, C), wraps, of phases about pixels ``at`` from those of their surface."""
-    depth = depth_of_labels(field, label, surfaces)
-    total = sums_near(at.ravel(), turn_back(field, depth)[:1], label, _NEAR)
-    return np.angle(total).reshape(at.shape) / TAU
 
 
 def _evidence(step: Array, tilt: Array) -> tuple:
@@ -171,9 +166,14 @@ def offsets_with_contacts(
     share = softmax(share, axis=1)
     best = share.argmax(axis=1)
     wraps = base[:, 0] + _OFFSETS[best]
-    moves = np.arange(1 - _OFFSETS.size, _OFFSETS.size)
-    share = _values_at(share, best[:, None] + moves)
-    return Placement(wraps, groups_of_surfaces(wraps, borders), share)
+    share = _values_at(
+        share, best[:, None] + np.arange(1 - _OFFSETS.size, _OFFSETS.size)
+    )
+    # borders join surfaces whose wraps differ by their step
+    holds = wraps[borders.first] + borders.step == wraps[borders.second]
+    return Placement(
+        wraps, groups(borders.first[holds], borders.second[holds], wraps.size), share
+    )
 
 
 def _own_odds(found: Offsets, limits: Array, repeat: float) -> tuple[Numbers, Array]:
@@ -225,13 +225,6 @@ def _propagate(
         belief = alone.copy()
         np.add.at(belief, target, message)
     return belief
-
-
-def groups_of_surfaces(wraps: Numbers, borders: Borders) -> Numbers:
-    """Group (N,) of each surface: borders join surfaces whose wraps differ by their step."""
-    first, second, step, _ = borders
-    holds = wraps[first] + step == wraps[second]
-    return groups(first[holds], second[holds], wraps.size)
 
 
 def components(placement: Placement, label: Numbers) -> Components:

@@ -12,7 +12,6 @@ from cmtof.surfaces.blocks import (
     block_sums,
     blocks_of_boxes,
     depths_of_blocks,
-    functions_of_blocks,
 )
 from cmtof.surfaces.field import CELL, Field, pixels_of_cells
 from cmtof.surfaces.shapes import (
@@ -47,12 +46,11 @@ def _moments(field, region, q):  # pragma: no cover - compiled
     """S, E, slope and curvature in wraps (4,); gradient (6,), mixed (6,), lower Hessian (6, 6)."""
     places = blocks_of_boxes(region.boxes)
     total, known = block_sums(field, region, q, places)
-    functions = functions_of_blocks(field, places)
-    change = -(depths_of_blocks(q, functions) ** 2) * functions  # of the depth
+    z, functions = depths_of_blocks(field, q, places)
+    change = -(z**2) * functions  # of the depth
     k = field.wavenumber
     turns = field.turns
-    error = total.imag
-    g = _sums_along(change, error[0] * k[0] + error[1] * k[1])
+    g = _sums_along(change, total[0].imag * k[0] + total[1].imag * k[1])
     h = _sums_along(change, known[0] * turns[0] * k[0] + known[1] * turns[1] * k[1])
     bend = known[0] * k[0] ** 2 + known[1] * k[1] ** 2
     sums = _sums_of_offset(total, known, turns)
@@ -97,11 +95,10 @@ def _sums_along(vectors, weight):  # pragma: no cover - compiled
 def move_surface(field, q, boxes, size, distance, tilt=UPRIGHT):  # pragma: no cover
     """Surface fitted to ``q`` moved by ``distance``, m, and ``tilt``, wraps/px; misfit, m (rms)."""
     places = blocks_of_boxes(boxes[:: max(1, len(boxes) // 100)])
-    functions = functions_of_blocks(field, places)
+    z, functions = depths_of_blocks(field, q, places)
     turned = tilt[0] * _from_middle(places[:, 0])
     turned += tilt[1] * _from_middle(places[:, 1])
-    z = depths_of_blocks(q, functions) + distance + field.period * turned
-    z = np.maximum(z, 0.05)
+    z = np.maximum(z + distance + field.period * turned, 0.05)
     change = z * z * functions
     wanted = _sums_along(change, z)
     found = solve(_products(change, change), wanted, size)

@@ -123,19 +123,16 @@ def _cells_of_window(window):  # pragma: no cover - compiled
 def _first_cells(field, grid, seed, window, mark):  # pragma: no cover - compiled
     """Numbers of the free cells of a window that its surface explains; none if they are few."""
     rows, columns = _cells_of_window(window)
-    width = grid.owner.shape[1]
-    cells = np.empty((window[2] // CELL) ** 2, np.int64)
-    size = 0
-    free = 0
-    for y in range(rows.start, rows.stop):
-        for x in range(columns.start, columns.stop):
-            if grid.owner[y, x] < 0:
-                free += 1
-                if _explains(field, grid, seed.q, seed.rough, y, x):
-                    cells[size] = y * width + x
-                    grid.stamp[y, x] = mark
-                    size += 1
-    return cells[: size if size >= 0.6 * free else 0]
+    free = np.argwhere(grid.owner[rows, columns] < 0)
+    found = []
+    for down, right in free:
+        y = rows.start + down
+        x = columns.start + right
+        if _explains(field, grid, seed.q, seed.rough, y, x):
+            grid.stamp[y, x] = mark
+            found.append(y * grid.owner.shape[1] + x)
+    cells = np.array(found)
+    return cells if cells.size >= 0.6 * len(free) else cells[:0]
 
 
 @inlined
@@ -203,22 +200,18 @@ def _add_cells_beside(
     field, grid, q, rough, cells, mark
 ):  # pragma: no cover - compiled
     """Cells plus free neighbours that the surface explains, until doubled, by 8 at the least."""
-    size = cells.size
-    goal = max(2 * size, size + 8)
-    found = np.empty(goal + len(_BESIDE), np.int64)
-    found[:size] = cells
+    goal = max(2 * cells.size, cells.size + 8)
+    found = list(cells)
     i = 0
-    while i < size and size < goal:
+    while i < len(found) < goal:
         y, x = divmod(found[i], grid.owner.shape[1])
         for a, b in neighbours(grid.owner, y, x):
-            if grid.owner[a, b] >= 0 or grid.stamp[a, b] == mark:
-                continue
-            if _explains(field, grid, q, rough, a, b):
+            taken = grid.owner[a, b] >= 0 or grid.stamp[a, b] == mark
+            if not taken and _explains(field, grid, q, rough, a, b):
                 grid.stamp[a, b] = mark
-                found[size] = a * grid.owner.shape[1] + b
-                size += 1
+                found.append(a * grid.owner.shape[1] + b)
         i += 1
-    return found[:size]
+    return np.array(found)
 
 
 @inlined

@@ -104,9 +104,7 @@ def stages(
         without = {"shape", *without}
     grown = _grow_and_cut(field, without, measurement.camera is not None)
     depth = depth_of_labels(field, grown.near, grown.surfaces)
-    cells = cells_of_surfaces(
-        field, grown.inner, depth, len(grown.surfaces), field.side
-    )
+    cells = cells_of_surfaces(field, grown.inner, grown.surfaces, field.side)
     alone = _own_offsets(field, cells, grown, without)
     touching = contacts.borders(field, grown.label, grown.surfaces)
     touching = touching._replace(odds=touching.odds * ("ties" not in without))

@@ -14,7 +14,6 @@ from cmtof.surfaces.beats import cell_phasors, lags_of_phasors
 from cmtof.surfaces.field import Field, pixels_of_cells, sum_nearby
 from cmtof.surfaces.fitting import EFFORT, fit_surfaces
 from cmtof.surfaces.roughness import Cells, cells_of_surfaces, sum_surfaces
-from cmtof.surfaces.shapes import depth_of_labels
 from cmtof.types import Array, Flags, Numbers
 
 _LEAST = 6  # size, cells, of a part
@@ -26,16 +25,17 @@ _CUTS = 3  # rounds of cutting
 
 
 def cut_surfaces(
-    field: Field, inner: Numbers, surfaces: Array, gain: float
+    field: Field,
+    inner: Numbers,
+    surfaces: Array,
+    gain: float,
 ) -> tuple[Numbers, Array]:
     """Surface at the middle of each cell (h, w), and all surfaces (N, 7), new parts last.
 
     Two planes at whole wraps of distance have the same phases and grow as one. They are parted if
     that gains more log-likelihood than `_CUT`, and than `_EDGE` for each cell along the border.
     """
-    cells = cells_of_surfaces(
-        field, inner, depth_of_labels(field, inner, surfaces), len(surfaces)
-    )
+    cells = cells_of_surfaces(field, inner, surfaces)
     lags = lags_of_phasors(field, cell_phasors(field, cells), cells.information)
     main, surfaces = _part_pieces(field, cells, surfaces, gain)
     for _ in range(_CUTS):
@@ -52,15 +52,16 @@ def cut_surfaces(
 
 
 def _part_pieces(
-    field: Field, cells: Cells, surfaces: Array, gain: float
+    field: Field,
+    cells: Cells,
+    surfaces: Array,
+    gain: float,
 ) -> tuple[Numbers, Array]:
     """Surface of each cell (h, w), and surfaces (N, 7), with pieces added that fit better alone."""
     number, parent = _pieces(cells.main)
     label = np.where(cells.label >= 0, pixels_of_cells(number), -1)
     found, _ = fit_surfaces(field, label, surfaces[parent], EFFORT, gain)
-    alone = cells_of_surfaces(
-        field, label, depth_of_labels(field, label, found), len(found)
-    )
+    alone = cells_of_surfaces(field, label, found)
     won = np.sum(alone.sums - cells.sums, axis=0).real
     gains = sum_surfaces(number, won, len(found))
     good = gains[:-1] > _ALONE

@@ -14,7 +14,8 @@ from cmtof.compiled import njit
 from cmtof.correlation import TAU
 from cmtof.surfaces.blocks import unit_phasor
 from cmtof.surfaces.field import CELL, Field, pixels_of_cells
-from cmtof.types import Array, Arrays, Flags, Numbers
+from cmtof.surfaces.shapes import depth_of_labels
+from cmtof.types import Array, Arrays, Numbers
 
 _EVEN = 0.02  # roughness, rad^2, that an even surface shows as well
 _ALIKE = 0.2  # largest excess of coherence at the higher frequency over that of uneven surfaces
@@ -40,26 +41,22 @@ class Cells(NamedTuple):
 
 
 def cells_of_surfaces(
-    field: Field, inner: Numbers, depth: Array, count: int, side: int = CELL
+    field: Field, inner: Numbers, surfaces: Array, side: int = CELL
 ) -> Cells:
-    """Phasors turned back by the depth, m, of surfaces, and how rough these are."""
-    main = _middles(inner, side)
+    """Phasors turned back by the depth of their surface (N, 7), and how rough these are."""
+    middle = slice((side - 1) // 2, side // 2 + 1)
+    # the largest of the middle four pixels, so that mirrors agree
+    main = _blocks(inner, side)[:, middle, :, middle].max(axis=(1, 3)).astype(int)
     whole = pixels_of_cells(main, side)
     label = np.where(whole == inner, inner, -1)
     chosen = label >= 0
+    depth = depth_of_labels(field, inner, surfaces)
     turned = np.where(chosen, turn_back(field, depth), 0)
     weights = np.where(chosen, field.information, 0)
     information = sum_cells(weights.astype(float), side)
     sums = sum_cells(turned, side)
-    rough = roughness(main, sums, information, count)
+    rough = roughness(main, sums, information, len(surfaces))
     return Cells(main, label, turned, sums, information, rough)
-
-
-def _middles(labels: Numbers, side: int) -> Numbers:
-    """Label (h, w) of each cell: the largest of its middle four pixels, so that mirrors agree."""
-    middle = slice((side - 1) // 2, side // 2 + 1)
-    four = _blocks(labels, side)[:, middle, :, middle]
-    return four.max(axis=(1, 3)).astype(int)
 
 
 def _blocks(images: NDArray, side: int) -> NDArray:
@@ -128,9 +125,11 @@ def departure(field: Field, turned: Array, variance: Array) -> Array:
     rough = variance > 0
     phasors = turned[:, rough]
     variance = variance[rough]
-    information = field.information[:, rough]
-    known = variance * (information[0] + field.multiple**2 * information[1])
-    box = _box_about(rough)
+    low, high = field.information[:, rough]
+    known = variance * (low + field.multiple**2 * high)
+    # these pixels and all that the Gaussian adds to them
+    (box,) = find_objects(rough.astype(int))
+    box = tuple(slice(max(0, s.start - _REACH), s.stop + _REACH) for s in box)
     near = gaussian_filter(turned[0][box], _NEAR)[rough[box]]
     found = known / (1 + known) * np.angle(near)
     for _ in range(_TURNS):
@@ -139,12 +138,6 @@ def departure(field: Field, turned: Array, variance: Array) -> Array:
         found += pull / (1 + known)
     out[rough] = np.clip(found, -np.pi, np.pi)
     return out
-
-
-def _box_about(chosen: Flags) -> tuple[slice, ...]:
-    """Rows and columns of chosen pixels and of all that the Gaussian adds to them."""
-    (box,) = find_objects(chosen.astype(int))
-    return tuple(slice(max(0, s.start - _REACH), s.stop + _REACH) for s in box)
 
 
 def turn_both_back(field: Field, phasors: Array, departure: Array) -> Array:

@@ -57,26 +57,20 @@ def is_possible(field, q, boxes):  # pragma: no cover - compiled
 @njit()
 def solve(matrix, right, size):  # pragma: no cover - compiled
     """Solution (6,) of ``matrix x = right`` for the first ``size`` unknowns; the rest is zero."""
-    left = np.empty((BENT, BENT))
-    scale = np.empty(BENT)
-    out = np.zeros(BENT)
+    scale = 1 / np.sqrt(np.diag(matrix)[:size] + 1e-12)
+    found = scale * right[:size]
+    left = np.empty((size, size))
     for i in range(size):
-        unit = 1 / np.sqrt(matrix[i, i] + 1e-12)
-        scale[i] = unit
-        out[i] = unit * right[i]
         for j in range(i + 1):
-            scaled = unit * scale[j] * matrix[i, j]
-            left[i, j] = scaled
-            left[j, i] = scaled
+            left[i, j] = left[j, i] = scale[i] * scale[j] * matrix[i, j]
     for k in range(size):
         pivot = left[k, k] + 1e-10
         for i in range(size):
-            share = 0.0
             if i != k:
                 share = left[i, k] / pivot
-            out[i] -= share * out[k]
-            for j in range(k, size):
-                left[i, j] -= share * left[k, j]
-    for i in range(size):
-        out[i] *= scale[i] / (left[i, i] + 1e-10)
+                found[i] -= share * found[k]
+                for j in range(k, size):
+                    left[i, j] -= share * left[k, j]
+    out = np.zeros(BENT)
+    out[:size] = found * (scale / (np.diag(left) + 1e-10))
     return out

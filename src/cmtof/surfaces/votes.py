@@ -66,14 +66,14 @@ def depth_by_votes(
     known = information_of_beats(field, field.information)
     clear = known > CLEAR
     # pixels among those whose phases are not those of their surface vote again
-    close = explained & _is_close(turn_back(field, depth))
-    close = uniform_filter(close.astype(float), _SQUARE)
+    turned = turn_back(field, depth)
+    close = (np.abs(turned.imag) < np.tan(_ASTRAY) * turned.real).all(axis=0)
+    close = uniform_filter((explained & close).astype(float), _SQUARE)
     explained = explained & (~clear | (close >= _MOST))
-    asked = ~explained & clear
     step = abs(field.excess)  # of the misfit from wrap to wrap, turns
     low, high = np.angle(field.phasor).astype(float) / TAU
     ballot = Ballot(
-        asked,
+        ~explained & clear,
         np.mod(low, 1),
         high - field.excess * closure,
         np.minimum(known, _MOST_CLEAR) / (2 * step**2),
@@ -84,11 +84,6 @@ def depth_by_votes(
         ballot, field.ratio, _FARTHEST * step, np.array(field.limits) / field.period
     )
     return np.where(share > 0, place * field.period, depth), share
-
-
-def _is_close(turned: Array) -> Flags:
-    """Whether both phases of pixels (2, H, W), turned back by a surface, are close to its own."""
-    return (np.abs(turned.imag) < np.tan(_ASTRAY) * turned.real).all(axis=0)
 
 
 @njit()

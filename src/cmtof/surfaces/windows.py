@@ -41,25 +41,19 @@ def windows(
 
     They come some at a time, so that no spectrum is taken where the first ones grew.
     """
-    corner = _clearest(field, owner, side, stride)
-    margin = (side - core) // 2
+    height, width = np.array(field.cosine.shape) - side + 1
+    corner = np.mgrid[:height:stride, :width:stride].reshape(2, -1)
+    corner = corner[:, _are_free(owner, corner, side)]
+    totals = _sums(field.information.sum(axis=0, dtype=float), corner, side)
+    order = np.argsort(-totals, kind="stable")
+    corner = corner[:, order[totals[order] >= _LEAST]]
     for start in range(0, len(corner[0]), _AT_ONCE):
         some = corner[:, start : start + _AT_ONCE]
         # rows in one piece, as Numba compiled for
         some = some.compress(_are_free(owner, some, side), axis=1)
-        slopes = spectral_slopes(field, *(some + margin), core, finer)  # pyright: ignore[reportCallIssue]
+        core_corner = some + (side - core) // 2
+        slopes = spectral_slopes(field, *core_corner, core, finer)  # pyright: ignore[reportCallIssue]
         yield *some, np.full_like(some[0], side), *slopes
-
-
-def _clearest(field: Field, owner: Numbers, side: int, stride: int) -> Numbers:
-    """Top and left (2, N) of windows with enough information, most of it first."""
-    height, width = np.array(field.cosine.shape) - side + 1
-    corner = np.mgrid[:height:stride, :width:stride].reshape(2, -1)
-    corner = corner[:, _are_free(owner, corner, side)]
-    information = field.information.sum(axis=0, dtype=float)
-    totals = _sums(information, corner, side)
-    order = np.argsort(-totals, kind="stable")
-    return corner[:, order[totals[order] >= _LEAST]]
 
 
 def _are_free(owner: Numbers, corner: Numbers, side: int) -> Flags:
@@ -82,27 +76,24 @@ def _sums(image: Array, corner: Numbers, side: int) -> Array:
 
 
 def spectral_slopes(
-    field: Field, top: Numbers, left: Numbers, side: int, finer: int
+    field: Field,
+    top: Numbers,
+    left: Numbers,
+    side: int,
+    finer: int,
 ) -> Array:
     """Slopes (2, N) down and right, rad/px, at the joint peak of both spectra of each square."""
     squares = sliding_window_view(field.phasor, (side, side), axis=(1, 2))
-    return _peaks(squares[:, top, left], next_fast_len(finer * side), field.ratio)  # pyright: ignore[reportArgumentType]
-
-
-def _peaks(squares: Array, size: int, ratio: float) -> Array:
-    """Slopes (2, N), rad/px, at the joint peaks of spectra of that size of squares (2, N, h, h)."""
+    size: int = next_fast_len(finer * side)  # pyright: ignore[reportAssignmentType]
     whole = np.rint(fftfreq(size) * size)
-    higher = np.rint(ratio * whole).astype(int)
+    higher = np.rint(field.ratio * whole).astype(int)
     higher %= size
-    rows = fft(squares, size)  # before rows of zeros are added
+    rows = fft(squares[:, top, left], size)  # before rows of zeros are added
     spectrum = fft(rows, size, axis=-2)
     low, high = spectrum.real**2 + spectrum.imag**2  # pyright: ignore[reportAttributeAccessIssue]
-    moved = high.take(higher, 1).take(higher, 2)
-    joint = low + moved
-    joint = joint.reshape(-1, size**2)
-    best = joint.argmax(axis=1)
-    peak = np.array(np.divmod(best, size))
-    return TAU * whole[peak] / size
+    joint = low + high.take(higher, 1).take(higher, 2)
+    best = joint.reshape(-1, size**2).argmax(axis=1)
+    return TAU * whole[np.array(np.divmod(best, size))] / size
 
 
 @njit()
