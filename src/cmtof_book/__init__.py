@@ -1,6 +1,9 @@
 """The book's own tools: figures, published numbers, notes and provenance; no physics."""
 
 from pathlib import Path
+from typing import Any
+
+from cmtof.files import read_document
 
 ROOT = Path(__file__).resolve().parents[2]  # folder of the checkout
 
@@ -9,3 +12,8 @@ RESULTS = ROOT / "book/results"
 
 # Variables that say how many threads numbers are computed on.
 THREADS = ("OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS", "NUMBA_NUM_THREADS")
+
+
+def package_data(name: str) -> dict[str, Any]:
+    """Names and values of a YAML file of this package."""
+    return read_document(Path(__file__).with_name(f"{name}.yml"))

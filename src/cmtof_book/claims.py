@@ -3,19 +3,17 @@
 from collections import defaultdict
 from collections.abc import Iterable
 from functools import partial
-from pathlib import Path
 from typing import NamedTuple
 
-from cmtof.files import read_document
 from cmtof.types import Fields, Texts
-from cmtof_book import pages
+from cmtof_book import package_data, pages
 from cmtof_book.notes import replaced
 from cmtof_book.paper import estimate_text, quantity_text, result_text
 from cmtof_book.record import Record
 from cmtof_book.scoreboard import Scores
 from cmtof_book.verdict import RANK, Score, sentence
 
-DOCUMENT = read_document(Path(__file__).with_name("claims.yml"))
+DOCUMENT = package_data("claims")
 UNITS = {  # set apart from their number, on the same line
     r"(?<=\d)%": " %",
     r"(?<=\d) (?=[%µ]|[GM]?Hz|rad|points|[fkmp]?[ms]\b)": "\u00a0",

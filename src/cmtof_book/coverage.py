@@ -11,7 +11,6 @@ of these, steps of `surfaces` are left out in turn. Everything is simulated.
 from collections.abc import Iterable, Iterator
 from dataclasses import replace
 from itertools import islice
-from pathlib import Path
 from typing import Any
 
 import numpy as np
@@ -23,19 +22,18 @@ from cmtof.constants import FREQUENCIES
 from cmtof.correlation import wrap_length
 from cmtof.estimate import SETS
 from cmtof.evaluation import COVERAGE, scored_pixels
-from cmtof.files import read_document
 from cmtof.frame import Frame
 from cmtof.measurement import Measurement
 from cmtof.simulation import staged_depth
 from cmtof.statistics import conformal_quantile
 from cmtof.surfaces.method import STEPS
 from cmtof.types import Array, Fields, Values
-from cmtof_book import RESULTS
+from cmtof_book import RESULTS, package_data
 from cmtof_book.counts import Counts, counts_of
 from cmtof_book.scanned import SHOWN, kept_scan
 from cmtof_rooms.held_out import views
 
-CONDITIONS = read_document(Path(__file__).with_name("coverage.yml"))
+CONDITIONS = package_data("coverage")
 
 
 def calibrate_sets() -> Values:
@@ -77,11 +75,10 @@ def measurements(name: str, frames: Iterable[Frame]) -> Iterator[Measurement]:
     for number, frame in enumerate(frames):
         if "uneven" in condition:
             frame = with_uneven_walls(frame, number, condition["uneven"])
-        options = condition.get("simulated", {})
-        seen = simulate(frame, frame_number=number, **options)
         if not condition.get("camera", True):
-            seen = Measurement(seen.dataset.drop_vars("camera"))
-        yield seen
+            frame = replace(frame, camera=None)
+        options = condition.get("simulated", {})
+        yield simulate(frame, frame_number=number, **options)
 
 
 def shares(seen: Iterable[Measurement], **how: Any) -> Fields:

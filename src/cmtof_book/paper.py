@@ -42,12 +42,8 @@ def published_numbers() -> dict[str, Published]:
                 for kind, size in held["tolerance"].items()
             )
             key = f"{name}.{column}".rstrip(".")
-            own = {
-                "key": key,
-                "value": value,
-                "what": f"{held['what']}, {title}".rstrip(", "),
-                "tolerance": min(allowed),
-            }
+            what = f"{held['what']}, {title}".rstrip(", ")
+            own = {"key": key, "value": value, "what": what, "tolerance": min(allowed)}
             numbers[key] = Published(**held | own)
     return numbers
 
@@ -71,8 +67,7 @@ def check(
     if isinstance(value, Compared):
         found = value.record()
         given = value.value + 1.96 * (value.error or 0.0) * np.array([0, -1, 1])
-    profile = str(provenance.RUN["profile"])
-    score = Score(published_number(key), given, profile, crops)
+    score = Score(published_number(key), given, provenance.RUN["profile"], crops)
     found |= {"cases": score.cases, "verdict": score.verdict, "crops": crops}
     record.add(record.PAPER, {key: found})
 
@@ -111,11 +106,13 @@ def published_text(number: Published) -> str:
 
 def result_text(score: Score, digits: int = 4) -> str:
     """Text of our numbers with intervals and cases; ``digits`` significant figures where exact."""
-    texts = [
-        f"{estimate_text(one, score.number.unit, digits)} {case}".strip()
-        for case, one in score.cases.items()
-    ]
-    return "; ".join(texts) or "not finite"
+    return (
+        "; ".join(
+            f"{estimate_text(one, score.number.unit, digits)} {case}".strip()
+            for case, one in score.cases.items()
+        )
+        or "not finite"
+    )
 
 
 def estimate_text(one: OwnNumber, unit: str, digits: int) -> str:
@@ -127,9 +124,8 @@ def estimate_text(one: OwnNumber, unit: str, digits: int) -> str:
     if one.low == one.high:
         return quantity_text(one.value, unit, digits)
     value, low, high = (quantity_text(part, unit, 3) for part in one)
-    if low.partition(" ")[2] == high.partition(" ")[2]:
-        low = low.partition(" ")[0]
-    return f"{value} ({low}–{high})"
+    number, _, unit_of_low = low.partition(" ")
+    return f"{value} ({number if high.endswith(f' {unit_of_low}') else low}–{high})"
 
 
 def quantity_text(value: float, unit: str, digits: int = 4) -> str:

@@ -12,12 +12,13 @@ from numpy.typing import NDArray
 
 from cmtof import __version__
 from cmtof.files import atomic_output
+from cmtof.types import Fields
 from cmtof_book.compared import Compared
 
 # environment variable that names the folder for results
 OUTPUT_VARIABLE = "CMTOF_OUTPUT"
 # stored beside every result; the profile is a file of configs/
-RUN: dict[str, str | int] = {"profile": "book", "seed": 0, "version": __version__}
+RUN: Fields = {"profile": "book", "seed": 0, "version": __version__}
 
 
 def output_folder() -> Path:

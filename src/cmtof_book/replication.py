@@ -16,11 +16,12 @@ from cmtof.bounds import phase_spread, simulated_phase_noise, wrap_probability
 from cmtof.constants import FREQUENCIES
 from cmtof.correlation import centred, depth_from_phase, phase_from_depth
 from cmtof.evaluation import Evaluation, measure_frame
-from cmtof.files import atomic_output, read_document
+from cmtof.files import atomic_output
 from cmtof.frame import embedded_frames
 from cmtof.scenes import Frame, load_frame
 from cmtof.simulation import simulate
 from cmtof.unwrapping import unwrap
+from cmtof_book import package_data
 from cmtof_book.compared import Compared
 
 # Columns of the figure: the paper's that need no training, and three that it leaves out.
@@ -51,7 +52,7 @@ class Outcome(NamedTuple):
 
 def replicate(figure: Path) -> Iterator[Outcome]:
     """Every check in turn; then, if matplotlib is there, Fig. 10 is drawn to ``figure``."""
-    stored = read_document(Path(__file__).with_name("replication.yml"))
+    stored = package_data("replication")
     for name, value in _numbers():
         yield Outcome(stored[name]["what"], value, Compared(**stored[name]))
     if find_spec("matplotlib"):

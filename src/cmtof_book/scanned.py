@@ -25,7 +25,7 @@ from cmtof.measurement import Measurement
 from cmtof.network.weights import read_card, weights_path
 from cmtof.simulation import QUADRATURES, RELEASED_WRAPS
 from cmtof.types import Fields
-from cmtof_book import RESULTS
+from cmtof_book import RESULTS, package_data
 from cmtof_book.counts import Counts, counts_of
 from cmtof_book.rendered_stills import labelled, rendered_still
 from cmtof_lab.objects import FIELD_OF_VIEW, OBJECTS, TRAINING, still_life
@@ -37,12 +37,18 @@ from cmtof_lab.targets import MeshTarget, Plane, Target, scene_from
 FOLDER = Path("build/scanned")  # of still lifes, and of weights between legs
 TUNED = RESULTS / "scanned"  # folder of the fine-tuned weights
 
-SHOWN = ("bust", "helmet", "owl", "table")
-# Things on whose scans the recipe of the fine-tuning was chosen.
-HELD_OUT = ("glasses", "column", "radio")
+STUDY = package_data("scanned")
+SHOWN = STUDY["shown"]
+HELD_OUT = STUDY["held_out"]
+METHODS = STUDY["methods"]
+TOLD = STUDY["told"]
+TUNED_ROWS = STUDY["tuned"]
+CURVE = STUDY["curve"]
+LEGS = STUDY["legs"]
+LEVELS = STUDY["levels"]
 
 # Things on whose scans the network is fine-tuned: one, two or three of them in a scan.
-LEARNT = tuple(name for name in TRAINING if name not in HELD_OUT)
+LEARNT = [name for name in TRAINING if name not in HELD_OUT]
 
 
 ENDS = wrap_length(FREQUENCIES[0]) * np.array(
@@ -54,60 +60,18 @@ RENDERED = 2  # group of still lifes that are rendered rather than scanned
 COVERED = 20  # side, points, of a scan of stray light, whose beam a black cap covers
 CAP = Plane(0.1, reflectance=0.0)
 SEEDS = (0, 1, 2)
-METHODS = (
-    "kde",
-    "region",
-    "phasor",
-    "rapid",
-    "surfaces",
-    "surfaces-mirrored",
-    "fast-scnn",
-)
-# Methods that are counted at the photon limit with stray light, too
-STRAY = ("stray kde", "stray surfaces")
-# A reference, which knows the shape of every surface and which of them touch.
-TOLD = ("reference-contact",)
-
-CURVE = (1, 3, 10, 40, 136, 300)  # labelled scans whose worth is compared
-
 VALIDATED = 9  # scans of held-out things
-
 BASELINE = 0.06  # between the cameras, m: side by side they see what the beam sees
-# Legs of training, the first without labels: the first rendered still life that is learnt, the
-# last, and labelled scans among them.
-LEGS = (
-    (0, 400, 0),
-    (0, 800, 0),
-    (0, 1200, 0),
-    (0, 1600, 0),
-    (0, 1600, 40),
-    (1600, 2000, 0),
-    (1600, 2400, 0),
-    (1600, 2800, 0),
-)
-
 NETWORK = "fast-scnn"
-# Rows with fine-tuned weights: their methods, and after how many legs.
-TUNED_ROWS = {
-    "rendered": (NETWORK, 4),
-    "tuned": (NETWORK, 8),
-    "tuned mirrored": ("fast-scnn-mirrored", 8),
-    "tuned hybrid": ("hybrid", 8),
-}
-# Options of `cmtof.network.tuning.fine_tune`, on scans and on rendered still lifes.
-TUNING: Fields = {"steps": 600, "learning_rate": 5e-4, "crop": 192, "batch": 2}
-LEARNING: Fields = TUNING | {"steps": 2500}
-
 DEPTH_WEIGHT = 0.005  # weight of the distance in depth, 1/mm, as where the network was trained last
 
-# Settings of the instrument by the name of its noise: some have a multiple of the captures'.
+# Settings of the instrument by name: its noise, also a multiple of the captures', or a sharp spot.
 NOISES = NOISE | {
     f"{by}": NOISE["captures"]
     | {"phase_noise": tuple(np.multiply(by, NOISE["captures"]["phase_noise"]))}
     for by in (0.5, 2.0)
 }
-# Phase noise over that of the captures, and its name.
-LEVELS = {"0": "photon", "0.5": "0.5", "1": "captures", "2": "2.0"}
+NOISES["sharp"] = STUDY["sharp"]
 
 STRIDES = (1, 2, 4)
 SWEPT = ("bust", "owl")  # scenes of which fewer points and other noise are tried
@@ -131,20 +95,10 @@ def scan_target(
     scan = scan_scene(noisy, target, size=size, **view)
     if not stray:
         scan = scan.without_stray_light(scan_scene(noisy, CAP, size=COVERED, **view))
-    if noise != "photon":
+    if "phase_noise" in NOISES[noise]:
         short = scan_scene(TwinSettings(), target, size=1, **view)
         scan = Measurement(scan.dataset.assign(psi=short.dataset["psi"]))
     return scan.between(*ENDS)
-
-
-def sharp_scan(name: str) -> Measurement:
-    """Scan of an object by name, at the photon limit, with a spot a tenth as wide."""
-    fine = TwinSettings(divergence=1e-4, exit_radius=2.5e-5)
-    target = scene_from({"kind": "object", "name": name})
-    view = FIELD_OF_VIEW[name]
-    return scan_scene(fine, target, size=SIZE, field_of_view=view, seed=0).between(
-        *ENDS
-    )
 
 
 def close_pair(scan: Measurement, other: Measurement) -> Measurement:
@@ -228,7 +182,7 @@ def still_of_group(number: int, group: int) -> Measurement:
 def tuned_weights(scans: int) -> Path:
     """File of the weights trained on rooms and then tuned on labelled scans alone."""
     folder = FOLDER / f"tuned_{scans}_1"
-    return train_into(folder, 0, examples(range(scans)), seed=1, **TUNING)
+    return train_into(folder, 0, examples(range(scans)), seed=1, **STUDY["tuning"])
 
 
 def best_weights(legs: int = len(LEGS)) -> Path:
@@ -246,7 +200,8 @@ def best_weights(legs: int = len(LEGS)) -> Path:
     both = chain(stills, examples([*range(scans)] * 10))
     # a number of its own, though a leg with scans learns the still lifes of the one before
     seed = last // 400 + (scans > 0)
-    return train_into(folder, legs - 1, both, mean=scans > 0, seed=seed, **LEARNING)
+    how = STUDY["learning"]
+    return train_into(folder, legs - 1, both, mean=scans > 0, seed=seed, **how)
 
 
 def train_into(
@@ -343,17 +298,17 @@ def main() -> None:
     counts.store(
         settings={"size": SIZE, "seeds": SEEDS, "baseline": BASELINE},
         legs=LEGS,
-        training=[TUNING, LEARNING],
+        training=[STUDY["tuning"], STUDY["learning"]],
         weights=read_card(best_weights()).sha256,
     )
     rows = [*METHODS, *TOLD, *TUNED_ROWS]
     compare(counts, "captures", [*rows, *(f"{n} scans" for n in CURVE)])
     clear = [row for row in rows if row not in ("phasor", "rendered")]
-    compare(counts, "photon", [*clear, *STRAY])
-    sweep(counts, "tuned", NETWORK)
-    for row in ("kde", *TOLD):
-        sweep(counts, row, row)
-    counts.keep(("sharp", "helmet"), wraps_off, *TOLD, map(sharp_scan, ["helmet"]))
+    compare(counts, "photon", [*clear, *STUDY["stray"]])
+    for row, name in STUDY["swept"].items():
+        sweep(counts, row, name)
+    sharp = (kept_scan(name, "sharp", seed=0, stray=True) for name in ["helmet"])
+    counts.keep(("sharp", "helmet"), wraps_off, *TOLD, sharp)
 
 
 if __name__ == "__main__":

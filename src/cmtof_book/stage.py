@@ -49,7 +49,7 @@ def figure_cell(output: Any, about: Fields, stem: str) -> Any:
 def place_shown(notebook: Any, stem: str) -> None:
     """Make every saved figure, and every sentence that a run has written, a cell of its own.
 
-    The answer is repeated at the head. What a reader moves needs no frame on a page.
+    The answer is repeated in the chapter's first cell. What a reader moves needs no frame.
     """
     cells = []
     for cell in notebook.cells:
@@ -66,19 +66,14 @@ def place_shown(notebook: Any, stem: str) -> None:
                 figures.append(figure_cell(output, about, stem))
             if kind in ("text", "answer"):
                 said.append(new_markdown_cell(output.data["text/markdown"]))
-            if kind == "answer":
-                put_behind_question(notebook.cells[0], said[-1].source)
+            if kind == "answer":  # goes behind the first paragraph, which asks for it
+                paragraphs = notebook.cells[0].source.split("\n\n")
+                paragraphs.insert(2, said[-1].source)
+                notebook.cells[0].source = "\n\n".join(paragraphs)
         if not said or not cell.source.startswith("notes."):
             cells.append(cell)
         cells += figures + said
     notebook.cells = cells
-
-
-def put_behind_question(opening: Any, answer: str) -> None:
-    """Insert the answer behind the first paragraph of a chapter's first cell, which asks for it."""
-    paragraphs = opening.source.split("\n\n")
-    paragraphs.insert(2, answer)
-    opening.source = "\n\n".join(paragraphs)
 
 
 def lead_with_figure(notebook: Any) -> None:
@@ -86,8 +81,7 @@ def lead_with_figure(notebook: Any) -> None:
     cells = notebook.cells
     for place, cell in enumerate(cells):
         if figure := cell.metadata.get("mystnb", {}).get("figure"):
-            texts = [one for one in cells[1:place] if one.cell_type == "markdown"]
-            if texts:
+            if any(one.cell_type == "markdown" for one in cells[1:place]):
                 link = f"See {{numref}}`{figure['name']}` at the head of this chapter."
                 cells.insert(place, new_markdown_cell(link))
             cells.remove(cell)

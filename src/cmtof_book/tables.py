@@ -29,7 +29,7 @@ from cmtof.files import atomic_output  # noqa: E402
 from cmtof.frame import Frame, held_out_frames  # noqa: E402
 from cmtof.methods import METHODS, find_method  # noqa: E402
 from cmtof.network.weights import read_card, weights_path  # noqa: E402
-from cmtof.types import Fields, Pair  # noqa: E402
+from cmtof.types import Fields, Pair, Texts  # noqa: E402
 from cmtof_book.provenance import read_json  # noqa: E402
 from cmtof_rooms.held_out import views_of_size  # noqa: E402
 from cmtof_rooms.rendering import shape_from_text  # noqa: E402
@@ -43,7 +43,7 @@ class Row(NamedTuple):
     file: Path
 
     @property
-    def weights(self) -> dict[str, str]:
+    def weights(self) -> Texts:
         """Hash of the weights by the row's name, {} for none."""
         return {self.name: read_card(self.file).sha256} if self.file.is_file() else {}
 
@@ -68,14 +68,6 @@ def is_counted(row: Row, held: Fields) -> bool:
     """Whether a stored table has a row already, counted with the same weights."""
     same = row.weights.items() <= held["weights"].items()
     return same and any(row.name in frame["methods"] for frame in held["frames"])
-
-
-def path_of(settings: Fields, size: str, runs: Path | None) -> Path:
-    """File of a table's counts, named by table and options."""
-    offset = [f"{1e3 * phase:g}" for phase in settings.get("phase_offset", ())]
-    table = f"table{1 if runs else 3 if offset else 2}"
-    words = [table, settings["protocol"], size, f"{settings['noise']:g}", *offset]
-    return RESULTS / f"{'_'.join(filter(None, words))}.json"
 
 
 def count(held: Fields, row: Row, frames: Iterable[Frame]) -> None:
@@ -111,9 +103,12 @@ def main(
 ) -> None:
     """Count methods over all test frames and store the counts."""
     settings: Fields = {"protocol": protocol, "noise": noise, "seed": 0}
+    number = 1 if runs else 3 if any(offset) else 2
+    words = [f"table{number}", protocol, size, f"{noise:g}"]
     if any(offset):
         settings["phase_offset"] = [phase / 1e3 for phase in offset]
-    path = path_of(settings, size, runs)
+        words += [f"{phase:g}" for phase in offset]
+    path = RESULTS / f"{'_'.join(filter(None, words))}.json"
     held = read_json(path)
     if held.get("settings") != settings:
         held = {"settings": settings, "size": size, "weights": {}, "frames": []}
@@ -125,8 +120,9 @@ def main(
         for row in rows:
             count(held, row, frames)
             if runs:
-                card = read_card(row.file).model_dump(exclude={"sha256"})
-                held.setdefault("cards", {})[row.name] = card
+                held.setdefault("cards", {})[row.name] = read_card(row.file).model_dump(
+                    exclude={"sha256"}
+                )
             write(held, path)
 
 
