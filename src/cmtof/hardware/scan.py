@@ -29,7 +29,6 @@ from cmtof.hardware.reduction import (
     psi_correction,
 )
 from cmtof.measurement import Measurement, open_measurement
-from cmtof.types import Named
 
 
 def finished_measurement(output: Path, plan: Plan, bench: object) -> Measurement:
