@@ -18,7 +18,6 @@ from cmtof_rooms.rendering import (
     expose,
     render_rooms,
     render_views,
-    shape_from_text,
 )
 
 pytest.importorskip("embreex")
@@ -106,26 +105,6 @@ def test_an_impossible_focal_length_is_refused_before_anything_is_written(
     with refused(r"Expected a focal length of 1 to 1e6 px, got .* Try"):
         render_rooms(root, Settings(scenes=1, focal=focal), workers=1)
     assert not root.exists()
-
-
-@mark.parametrize(
-    ("text", "message"),
-    [
-        (
-            "big",
-            "Expected a size like 512x512, got big. Try 768x1024.",
-        ),
-        ("512", "Expected a size like 512x512, got 512."),
-        (
-            "0x8",
-            "Expected 1 to 4096 px, got a size of 0x8. Try 768x1024.",
-        ),
-        ("8x4097", "Expected 1 to 4096 px, got a size of 8x4097."),
-    ],
-)
-def test_an_impossible_size_is_refused(text, message):
-    with refused(message):
-        shape_from_text(text)
 
 
 def test_a_set_of_other_settings_is_refused(rendered):
