@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 from numpy.testing import assert_array_less
 from pytest import approx, fixture, mark
-from refusals import refused
+from refusals import WRONG, refused
 
 from cmtof.frame import brightness
 from cmtof.hardness import hardness
@@ -112,13 +112,7 @@ def test_a_set_of_other_settings_is_refused(rendered):
         render_rooms(rendered, replace(SMALL, width=48), workers=1)
 
 
-@mark.parametrize(
-    ("name", "message"),
-    [
-        ("holiday.jpg", r"got other files in .* Choose another folder."),
-        ("rooms.json", r"Expected YAML, got .*rooms.json"),
-    ],
-)
+@mark.parametrize("name, message", WRONG["sets"])
 def test_a_folder_of_other_or_broken_files_is_refused(tmp_path, name, message):
     (tmp_path / name).write_text("{")
     with refused(message):
