@@ -60,8 +60,8 @@ def write_official(path, array):
         )
 
 
-def write_views(root):
-    """Depth and colour of three views of each scene."""
+def write_tree(root):
+    """Three official scenes of three views each, and both tables."""
     color = np.full((*SHAPE, 3), [0.2, 0.5, 0.9], np.float16)
     color[5, 5] = np.nan
     color[6, 6] = np.inf
@@ -77,11 +77,6 @@ def write_views(root):
             images / f"scene_{camera}_geometry_hdf5/{name}.depth_meters.hdf5", depth
         )
         write_official(images / f"scene_{camera}_final_hdf5/{name}.color.hdf5", color)
-
-
-def write_tree(root):
-    """Three official scenes of three views each, and both tables."""
-    write_views(root)
     (root / "metadata_camera_parameters.csv").write_text(CAMERAS)
     (root / "metadata_images_split_scene_v1.csv").write_text(SPLIT)
     return root

@@ -6,7 +6,7 @@ from pathlib import Path
 import numpy as np
 from numpy.testing import assert_allclose, assert_array_equal
 from PIL import Image
-from pytest import fixture, mark
+from pytest import mark
 from refusals import refused
 
 from cmtof.frame import Frame, ray_lengths
@@ -219,27 +219,22 @@ TUM_RGB = """\
 """
 
 
-@fixture
-def tum(own_folder):
-    """A sequence of the TUM benchmark: the second depth has no colour near it in time."""
+def test_a_tum_sequence_is_read_as_downloaded():
+    """The second depth has no colour near it in time."""
     for time in ("1.01", "9.0", "1.04"):
         write(f"depth/{time}.png", levels(5000))
     write("rgb/1.0.png", LIGHT)
     write("rgb/1.05.png", np.full_like(LIGHT, 255))
     Path("depth.txt").write_text(TUM_DEPTH)
     Path("rgb.txt").write_text(TUM_RGB)
-    return "."
-
-
-def test_a_tum_sequence_is_read_as_downloaded(tum):
-    frames = [source.load() for source in frames_in(tum)]
+    frames = [source.load() for source in frames_in(".")]
     assert [frame.name for frame in frames] == ["1.01", "1.04"]
     assert_allclose(frames[0].depth, DEPTH, atol=2e-4)
     assert [round(float(frame.intensity[0, 0]), 1) for frame in frames] == [0.5, 1.0]
-    wide = frames_in(tum, camera=[8.0, 8.0, 8.0, 6.0])[0].load()
+    wide = frames_in(".", camera=[8.0, 8.0, 8.0, 6.0])[0].load()
     assert (wide.depth > frames[0].depth).all()
     with refused("for planar depth a camera"):
-        load_frame(tum, planar=True)
+        load_frame(".", planar=True)
 
 
 def test_evaluate_reads_images_as_told_and_stores_what_is_odd(succeeds):

@@ -114,15 +114,22 @@ def test_a_mask_with_a_fill_value_survives_its_file(fill):
 
 @mark.parametrize(
     "name, unit, size",
-    [("frequency", "GHz", 1e9), ("psi", "degree", np.pi / 180), ("depth", "mm", 1e-3)],
+    [
+        ("frequency", "GHz", 1e9),
+        ("psi", "degree", np.pi / 180),
+        ("psi", "degrees", np.pi / 180),
+        ("depth", "mm", 1e-3),
+    ],
 )
-def test_units_that_a_file_states_are_used(name, unit, size):
+def test_units_that_a_file_or_its_arrays_state_are_used(name, unit, size):
     right = changed(depth=(("y", "x"), ONES))
     stated = right.assign({name: right[name] / size})
     stated[name].attrs["units"] = unit
-    found = Measurement(stated).dataset[name]
-    assert_allclose(found, right[name], rtol=1e-12)
-    assert found.attrs["units"] == right[name].attrs.get("units", "m")
+    arrays = made(frequencies=stated.frequency, psi=stated.psi, depth=stated.depth)
+    for measurement in (Measurement(stated), arrays):
+        found = measurement.dataset[name]
+        assert_allclose(found, right[name], rtol=1e-12)
+        assert found.attrs["units"] == right[name].attrs.get("units", "m")
 
 
 def test_phases_of_any_turn_are_wrapped():
@@ -174,21 +181,6 @@ def test_a_file_cannot_reach_into_another(reach):
         reach(file, "other.nc")
     with refused("another file"):
         cmtof.open("m.nc")
-
-
-@mark.parametrize(
-    "name, values, size, unit",
-    [
-        ("psi", PSI, 180 / np.pi, "degrees"),
-        ("frequencies", np.array(FREQUENCIES), 1e-9, "GHz"),
-        ("depth", 0.9 * ONES, 1e3, "mm"),
-    ],
-)
-def test_arrays_that_state_their_units_are_converted(name, values, size, unit):
-    stated = xr.DataArray(values * size, attrs={"units": unit})
-    xr.testing.assert_allclose(
-        made(**{name: stated}).dataset, made(**{name: values}).dataset
-    )
 
 
 def test_a_range_may_be_an_array_of_one_number():

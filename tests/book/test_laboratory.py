@@ -91,15 +91,9 @@ def unwrapped(request, page, measurement, phases):
 
 
 @fixture(scope="module")
-def logits():
-    return np.random.default_rng(2).normal(size=(21, 40 * 56))
-
-
-@fixture(scope="module")
-def page(stepped_wall, measurement, phases, logits, tmp_path_factory):
-    """What the scripts of the page compute."""
+def page(stepped_wall, measurement, phases, tmp_path_factory):
+    """What the scripts of the page are given, and what they compute of it."""
     folder = tmp_path_factory.mktemp("laboratory")
-    normal = np.random.default_rng(1).normal(size=4 * stepped_wall.depth.size)
     images = zip(measurement.phase, measurement.amplitude, strict=True)
     rows = StringIO()
     np.savetxt(rows, np.vstack(centred(phases.phase)), "%.6f", ",")
@@ -114,11 +108,11 @@ def page(stepped_wall, measurement, phases, logits, tmp_path_factory):
         "offset": OFFSET,
         "side": SIDE,
         "sigma": 100.0,
-        "normal": normal,
+        "normal": np.random.default_rng(1).normal(size=4 * 40 * 56),
         "tones": [
             {"phase": phase, "amplitude": amplitude} for phase, amplitude in images
         ],
-        "weights": logits,
+        "weights": np.random.default_rng(2).normal(size=(21, 40 * 56)),
         "csv": rows.getvalue(),
         "others": list(REFUSED),
     }
@@ -126,7 +120,7 @@ def page(stepped_wall, measurement, phases, logits, tmp_path_factory):
     shared.write_text(json.dumps(given, default=lambda image: image.ravel().tolist()))
     (folder / "program.js").write_text(PROGRAM)
     assert node([str(folder / "program.js"), str(SCRIPTS), str(shared)]) == 0
-    return json.loads(shared.read_text()) | {"normal": normal}
+    return given | json.loads(shared.read_text())
 
 
 def test_images_and_their_noise(page, measurement):
@@ -169,7 +163,8 @@ def test_inputs_of_the_network(unwrapped):
     assert_allclose(page["features"], expected, rtol=1e-4, atol=1e-4)
 
 
-def test_odds(page, logits):
+def test_odds(page):
+    logits = page["weights"]
     assert page["wraps"] == (36 + logits.argmax(0)).tolist()
     assert_allclose(page["odds"], softmax(logits[:, 7]), rtol=1e-6)
     off = (36 + np.arange(21) + 2.0 / TAU - 45.3) / 0.8

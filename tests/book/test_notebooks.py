@@ -9,7 +9,6 @@ import nbformat
 from jupyter_server.services.contents.largefilemanager import LargeFileManager
 from jupytext.sync_contentsmanager import build_sync_jupytext_contents_manager_class
 from pytest import mark
-from refusals import refused
 
 from cmtof_book import ROOT, pairs
 from cmtof_book.graph import parameters_from_text
@@ -85,5 +84,3 @@ def test_parameters_of_a_reader():
         "methods": ["beat", "mrf"],
         "name": "still_life",
     }
-    with refused("Expected name=value, got repeats"):
-        parameters_from_text("repeats")

@@ -5,7 +5,7 @@ import math
 import re
 from dataclasses import replace
 
-from pytest import approx, fixture, mark
+from pytest import approx, mark
 
 from cmtof_book import ROOT, claims, compared, paper, provenance, record, scoreboard
 from cmtof_book.verdict import CROPS, Score
@@ -15,14 +15,6 @@ PLAIN = replace(
     NUMBERS["fig3.precision_ratio"], value=10.0, tolerance=0.5, relation="eq"
 )
 KNOWN = {one.name: one for number in NUMBERS.values() for one in number.depends}
-
-
-@fixture
-def folder(tmp_path, monkeypatch):
-    target = tmp_path / "02_precision"
-    monkeypatch.setenv(provenance.OUTPUT_VARIABLE, str(target))
-    monkeypatch.setitem(provenance.RUN, "profile", "book")
-    return target
 
 
 def scores(values, **about):
@@ -133,9 +125,14 @@ def test_the_accepted_verdicts_follow_from_the_accepted_numbers():
     held = json.loads(accepted)["numbers"]
     for key, number in held.items():
         published = NUMBERS[key]
-        about = {"profile": number["profile"], "crops": number["crops"]}
-        verdict = Score(published, number["cases"], **about).verdict
-        assert verdict == number["verdict"], key
+        verdict = number["verdict"]
+        score = Score(
+            published,
+            number["cases"],
+            profile=number["profile"],
+            crops=number["crops"],
+        )
+        assert score.verdict == verdict, key
         assert published.note or verdict != "contradicted", key
         assert published.changed or verdict != "changed", key
     for claim in claims_by({}).values():
@@ -154,7 +151,9 @@ def test_claims_are_filled_with_numbers_of_the_build():
     assert told == "2 mm, 2 mm (1–3 mm), 4 mm, (not computed), 25 %"
 
 
-def test_what_was_checked_is_recorded_shown_and_counted(folder, monkeypatch):
+def test_what_was_checked_is_recorded_shown_and_counted(tmp_path, monkeypatch):
+    monkeypatch.setenv(provenance.OUTPUT_VARIABLE, str(tmp_path / "02_precision"))
+    monkeypatch.setitem(provenance.RUN, "profile", "book")
     paper.check("fig3.precision_ratio", compared.sum_over_draws(99.8, error=3.2))
     paper.check(
         "table4.rf.rmse_mirror",
@@ -168,7 +167,7 @@ def test_what_was_checked_is_recorded_shown_and_counted(folder, monkeypatch):
     paper.table()
     assert shown[0][1:] == ["≈ 100 ± 10", "99.8 (93.5–106)", "reproduced"]
     assert shown[1][2:] == ["10 µm (2–99 µm) quiet; 200 µm (100–300 µm) noisy", "open"]
-    found = scoreboard.scores_in(record.read_all(folder.parent))
+    found = scoreboard.scores_in(record.read_all(tmp_path))
     assert found["table4.rf.rmse_mirror"].crops == 28_000
     page = scoreboard.page(found)
     listed = re.findall(r"<br><code>([a-z0-9_.]+)</code>", page.replace("<wbr>", ""))

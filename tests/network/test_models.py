@@ -21,11 +21,12 @@ def test_networks_see_no_farther_than_their_reach(name):
     network = build_network(name).eval()
     image = torch.randn(1, network.inputs, 16, 2 * network.reach + 3 * network.stride)
     changed = image.clone()
+    beyond = network.reach + network.stride
     with torch.inference_mode():
-        changed[..., network.reach + network.stride :] += 3
+        changed[..., beyond:] += 3
         difference = (network(image) - network(changed)).abs()
     assert not difference[..., : network.stride].any()
-    assert difference[..., network.reach + network.stride :].any()
+    assert difference[..., beyond:].any()
 
 
 def test_compared_networks_have_about_as_many_weights():

@@ -11,11 +11,11 @@ from pytest import approx, fixture, mark, skip
 from refusals import WRONG, refused
 
 import cmtof
-from cmtof.correlation import TAU
+from cmtof.constants import FREQUENCY_SINGLE
+from cmtof.correlation import TAU, wrap_count_from_depth
 from cmtof.files import exclusive_lock
 from cmtof.network import training, tuning
 from cmtof.network.data import batch_at, open_rooms
-from cmtof.network.features import WRAP
 from cmtof.network.losses import IGNORED
 from cmtof.network.recipe import PRESETS, read_config
 from cmtof.network.training import Unwrapping, loss_of, train
@@ -161,7 +161,7 @@ def trained(stored):
 
 @fixture
 def example(measurement):
-    wraps = np.floor(measurement.depth / WRAP).astype(int)
+    wraps = wrap_count_from_depth(measurement.depth, FREQUENCY_SINGLE)
     return measurement, np.where(measurement.mask, wraps, -1), measurement.depth
 
 
@@ -182,7 +182,7 @@ def test_fine_tuning_lowers_the_loss_and_leaves_the_rest(trained, example):
 def test_crops_of_fine_tuning_move_over_the_classes(trained, stepped_wall, rng):
     """Without noise, wraps, phase and depth of a moved crop still belong together."""
     exact = cmtof.simulate(stepped_wall, noise_free=True)
-    wraps = np.floor(exact.depth / WRAP).astype(int)
+    wraps = wrap_count_from_depth(exact.depth, FREQUENCY_SINGLE)
     view = tuning._view(trained, exact, wraps, exact.depth)
     pieces = [tuning._augmented_crop(view, trained.network, 24, rng) for _ in range(30)]
     _, label, phase, turns = map(np.stack, zip(*pieces, strict=True))

@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 from numpy.testing import assert_array_less
 from pytest import approx, fixture, mark
-from refusals import refused
+from refusals import WRONG, refused
 
 from cmtof.frame import brightness
 from cmtof.hardness import hardness
@@ -18,7 +18,6 @@ from cmtof_rooms.rendering import (
     expose,
     render_rooms,
     render_views,
-    shape_from_text,
 )
 
 pytest.importorskip("embreex")
@@ -108,38 +107,12 @@ def test_an_impossible_focal_length_is_refused_before_anything_is_written(
     assert not root.exists()
 
 
-@mark.parametrize(
-    ("text", "message"),
-    [
-        (
-            "big",
-            "Expected a size like 512x512, got big. Try 768x1024.",
-        ),
-        ("512", "Expected a size like 512x512, got 512."),
-        (
-            "0x8",
-            "Expected 1 to 4096 px, got a size of 0x8. Try 768x1024.",
-        ),
-        ("8x4097", "Expected 1 to 4096 px, got a size of 8x4097."),
-    ],
-)
-def test_an_impossible_size_is_refused(text, message):
-    with refused(message):
-        shape_from_text(text)
-
-
 def test_a_set_of_other_settings_is_refused(rendered):
     with refused(r"Expected an empty folder .*rooms.json. Choose another"):
         render_rooms(rendered, replace(SMALL, width=48), workers=1)
 
 
-@mark.parametrize(
-    ("name", "message"),
-    [
-        ("holiday.jpg", r"got other files in .* Choose another folder."),
-        ("rooms.json", r"Expected YAML, got .*rooms.json"),
-    ],
-)
+@mark.parametrize("name, message", WRONG["sets"])
 def test_a_folder_of_other_or_broken_files_is_refused(tmp_path, name, message):
     (tmp_path / name).write_text("{")
     with refused(message):

@@ -11,10 +11,6 @@ GRID = np.stack([*np.mgrid[:3, :2], np.zeros((3, 2))], axis=-1)
 
 SOLIDS = {
     "box": (solids.slab(4, 5, 4, 6, 4, 7), 6.0),
-    "two boxes": (
-        solids.join([solids.slab(0, 1, 0, 2, 0, 3), solids.slab(0, 1, 0, 2, 4, 5)]),
-        8.0,
-    ),
     "cylinder": (solids.extrusion(solids.ellipse((2, 2), 200), 2.0), TAU),
     "plate with a door and a window": (
         solids.plate(4.0, 2.5, 0.2, [(1, 2, 0, 2), (2.5, 3.5, 1, 2)]),
@@ -42,8 +38,7 @@ SOLIDS = {
 @mark.parametrize("name", SOLIDS)
 def test_a_solid_is_closed_and_has_its_volume(name):
     solid, volume = SOLIDS[name]
-    assert solid.is_watertight
-    assert solid.is_winding_consistent
+    assert solid.is_volume
     assert solid.volume == approx(volume, rel=2e-3)
 
 
@@ -52,7 +47,7 @@ def test_joined_solids_keep_their_volumes():
     both = solids.join(
         [solids.slab(0, 1, 0, 1, 0, 1), solids.move(tall, (5, 0, 0), 0.3)]
     )
-    assert both.is_watertight
+    assert both.is_volume
     assert both.volume == approx(3.0)
 
 
