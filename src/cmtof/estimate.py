@@ -149,7 +149,7 @@ def seen_noise(measurement: Measurement) -> Array:
     """Phase noise (F, H, W), rad, by residuals of cosines fitted to K steps: ``sqrt(2 / K) s / a``.
 
     The noise s of a sample is that of the fit's residual, a the amplitude. It is infinite without
-    signal. Where only phases or three steps were kept, a s is found for which beats two pixels
+    signal. Where only phases or three steps were kept, an s is found for which beats two pixels
     apart differ as they do, or else one radian.
     """
     dataset = measurement.dataset
@@ -171,7 +171,7 @@ def _noise_of_phases(measurement: Measurement) -> Array:
         if finite.sum() > _FEW:
             clear = expected <= np.median(expected[finite])
             power = np.median(squares[clear] / expected[clear]) / _MEDIAN
-            return np.maximum(np.sqrt(max(power, 1e-12)) * relative, _LEAST)
+            return np.maximum(np.sqrt(max(power, 1e-300)) * relative, _LEAST)
     return np.where(amplitude > 0, 1.0, np.inf)
 
 

@@ -119,6 +119,13 @@ def test_a_device_that_is_missing_at_the_start_leaves_no_light(world, lit, role)
     assert goes_dark(world, role)
 
 
+def test_a_start_where_nothing_is_there_says_so(world):
+    for role in DARK_FIRST:
+        world.ends[role].close()
+    with refused("to be there", InstrumentError), connected_bench(world.rig):
+        pass
+
+
 @mark.parametrize("role", DARK_FIRST)
 def test_a_device_that_is_silent_at_the_start_keeps_no_other_on(world, lit, role):
     world.ends[role].wire.fail(b"", b"")
@@ -143,6 +150,7 @@ def test_another_device_than_the_rig_names_is_refused(world, role):
     ):
         pass
     assert world.dark
+    assert not any(b"SAFE" in line for line in world.ends[role].wire.sent)
 
 
 def test_a_read_out_whose_power_comes_back_is_dark_once_that_is_saved(world, lit):

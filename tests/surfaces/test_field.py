@@ -49,7 +49,7 @@ def test_noise_that_no_residual_shows_is_found_by_the_beats_of_neighbours(hidden
 @mark.parametrize("noise", [300.0, 1200.0])
 def test_phases_and_amplitudes_tell_the_noise_that_residuals_show(noise):
     m = simulate(plane_frame((0.2, 0.1, 1), 0.2 + 0.005 * COLUMNS), noise=noise)
-    kept = Measurement.from_phase(m.phase, FREQUENCIES, amplitude=m.amplitude / 7)
+    kept = Measurement.from_phase(m.phase, FREQUENCIES, amplitude=1e-9 * m.amplitude)
     assert_allclose(seen_noise(kept), seen_noise(m), rtol=0.03)
 
 

@@ -67,7 +67,7 @@ class Bench(EmergencyStop):
         self._clock_of = clock_of or (lambda label: time())
         self._aim = np.zeros(2)  # of the mirrors, optical angles, rad
         self._levels = {}
-        self._brightest = 0.0  # power sent out in this mode, W
+        self._brightest = 0.0  # most power sent out in this mode, W
         self._silence = min(rig.dead_man, WATCHDOG)  # that some device's timer allows
         self._fed = monotonic()
         super().__init__(devices.values())
@@ -91,7 +91,8 @@ class Bench(EmergencyStop):
     def ask(self, text: str) -> None:
         """Wait until a person presses Enter, while the watchdogs are kept from expiring.
 
-        All goes dark at once if the interlock opens meanwhile, and the error is raised after Enter.
+        All goes dark if the interlock opens or a device fails meanwhile; after Enter that is
+        raised.
         """
         answered = Event()
         with ThreadPoolExecutor(1) as pool:
@@ -300,7 +301,8 @@ class Bench(EmergencyStop):
     def metered_power(self) -> float:
         """Laser power at the meter, W.
 
-        `Unsafe` if more is sent out than allowed, or less than half of the most in this mode.
+        `Unsafe` if more is sent out than allowed, less than half of the most since the mode was
+        chosen, or hardly any.
         """
         metered = self.power_meter.power
         emitted = self.rig.emitted_share * metered

@@ -7,7 +7,7 @@ from pathlib import Path
 from typing import Any, TextIO
 
 from cmtof.hardware.bench import Bench
-from cmtof.hardware.device import ConnectionLost, insist
+from cmtof.hardware.device import ConnectionLost, Refused, insist
 from cmtof.hardware.log import Logged
 from cmtof.hardware.modbus import Feedback
 from cmtof.hardware.rig import LIGHT, Rig
@@ -32,13 +32,17 @@ def connected_bench(rig: Rig, log: Path | None = None) -> Iterator[Bench]:
         def reach(role: str) -> None:
             device = connected_driver(rig, role, text)
             devices[role] = reached.enter_context(closing(device))
-            device.identify()
+            try:
+                device.identify()
+            except Refused:  # somebody else's
+                del devices[role]
+                raise
             device.safe_state()
 
         try:
             insist(*(partial(reach, role) for role in DARK_FIRST), tries=1)
         except OSError:
-            # one that tells no name may yet be lit, and hear more than it can say
+            # what tells no name may yet be lit, and hear more than it can say
             with EmergencyStop(devices.values()):
                 raise
         for role in rig.devices:
@@ -94,6 +98,7 @@ def read_out(rig: Rig, connection: Any, **named: str) -> Any:
         daq.stream = rf.open_serial(stream, rig.devices["daq"].timeout)
     except ConnectionLost:
         with closing(connection):
-            insist(daq.identify, daq.safe_state, tries=1)
+            daq.identify()
+            daq.safe_state()
         raise
     return daq

@@ -77,7 +77,7 @@ class EmergencyStop:
     def _make_safe(self) -> list[str]:
         """Bring all devices into their safe states at once; return the messages of failures."""
         try:
-            with ThreadPoolExecutor(len(self._devices)) as pool:
+            with ThreadPoolExecutor(max(len(self._devices), 1)) as pool:
                 messages = list(pool.map(_stop_device, self._devices))
         except RuntimeError:  # the interpreter is ending and starts no more threads
             messages = [_stop_device(device) for device in self._devices]

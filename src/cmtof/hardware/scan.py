@@ -32,9 +32,9 @@ from cmtof.measurement import Measurement, open_measurement
 
 
 def finished_measurement(output: Path, plan: Plan, bench: object) -> Measurement:
-    """Measurement of a finished scan; a ValueError if its settings are not the plan's.
+    """Measurement of a finished scan; a ValueError if plan or bench have other settings.
 
-    Or not the bench's, as the seed of a simulated one; real devices are not opened for it.
+    A simulated bench has a seed and a scene; real devices are not opened for it.
     """
     about = getattr(bench, "about", {"source": "instrument"})
     measurement = open_measurement(output)
@@ -46,7 +46,9 @@ def finished_measurement(output: Path, plan: Plan, bench: object) -> Measurement
             **old,
             "size": list(measurement.shape),
         },
-        plan.rig.as_dict() | attributes(about) | {"size": list(plan.angles.shape[:2])},
+        plan.rig.as_dict()
+        | {"size": list(plan.angles.shape[:2]), "scene": None}
+        | attributes(about),
     )
     return measurement
 
