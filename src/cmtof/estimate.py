@@ -130,9 +130,10 @@ def hidden_noise(measurement: Measurement, seen: Array) -> float:
 
 
 def beat_steps(measurement: Measurement, noise: Array) -> tuple[Array, Array]:
-    """Squared differences (N,), rad^2, of beats of pixels two apart, and what ``noise`` expects.
+    """Squared differences (A, H, W), rad^2, of beats of pixels two apart, and those by noise.
 
-    Infinite is expected of masked pixels, and where depth would move a beat.
+    Along the axes A that are long enough; the latter are the variances that the phase ``noise``
+    (2, H, W), rad, lets expect: infinite at masked pixels, and where depth would move a beat.
     """
     low, high = measurement.frequencies
     multiple = round(high / low)
