@@ -384,7 +384,7 @@ notes.table([f"%, {len(seen['frames'])} views", *head], [*rows, GOALS])
 # %% tags=["hide-input"]
 names = ("beat", "mrf", "surfaces", "reference-contact")
 share = [
-    score([scored_pixels(a, m)])["delta_lt_1"]
+    score(scored_pixels(a, m))["delta_lt_1"]
     for a, (_, m) in zip(answers["full"], held["full"], strict=True)
 ]
 frame, worst = held["full"][int(np.argmin(share))]

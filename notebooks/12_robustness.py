@@ -199,7 +199,7 @@ for place, offset in enumerate(wall_offsets):
         m = cmtof.simulate(plain, phase_offset=offset, seed=seed, frame_number=number)
         m = cmtof.Measurement(m.dataset.assign(mask=(("y", "x"), m.mask & inner)))
         scored.append(scored_pixels(cmtof.unwrap(m, method="beat", window=window), m))
-    wall_rates.append(score(scored))
+    wall_rates.append(score(*scored))
 theory = count_odds(wall_moved, spread)
 off = np.array([rate["delta_lt_1"] for rate in wall_rates]) - theory
 
@@ -218,7 +218,7 @@ def ask(names=methods, **changes):
     counts = {
         n: np.concatenate([one["wrap_count"] for one in p]) for n, p in pooled.items()
     }
-    return {name: score(pixels) for name, pixels in pooled.items()}, counts
+    return {name: score(*pixels) for name, pixels in pooled.items()}, counts
 
 
 quick = [name for name in methods if name not in slow]

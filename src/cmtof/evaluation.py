@@ -131,11 +131,11 @@ class Tally:
         }
 
 
-def score(frames: Pixels | Iterable[Pixels]) -> Values:
+def score(*frames: Pixels) -> Values:
     """Rates and depth errors, m, over the `scored_pixels` of one or more frames."""
     tally = Tally()
-    for pixels in [frames] if isinstance(frames, Mapping) else frames:
-        tally.add(pixels)  # pyright: ignore[reportArgumentType]
+    for pixels in frames:
+        tally.add(pixels)
     return tally.score()
 
 

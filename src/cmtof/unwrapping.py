@@ -7,6 +7,7 @@ from typing import Any
 import numpy as np
 from xarray import Dataset
 
+from cmtof import __version__
 from cmtof.contract import with_coordinates
 from cmtof.correlation import (
     TAU,
@@ -77,7 +78,7 @@ def unwrap(
         "min_confidence": float(min_confidence),
         "stray_light_removed": int(covered is not None),
         **{f"option_{name}": storable(value) for name, value in options.items()},
-        "version": measurement.dataset.attrs.get("version", ""),
+        "version": __version__,
     }
     images = _result_variables(estimate, measurement, min_confidence)
     if chosen.sets:

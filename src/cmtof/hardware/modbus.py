@@ -20,17 +20,16 @@ class Feedback:
 
     def __init__(self, address: str, timeout: float) -> None:
         host, _, port = address.partition(":")
-        self.address = (host, int(port or PORT))
         self._timeout = timeout
         self._number = 0
         with one_error(f"a T7 at {address}", ConnectionLost):
+            self.address = (host, int(port or PORT))
             self._socket: socket.socket | None = self._connect()
 
     def ask(self, frame: bytes) -> bytes:
         """Answer to a frame, without its header; `Refused` if the device reports an exception."""
         self._number = (self._number + 1) % 2**16
-        if self._socket is None:
-            self._socket = self._connect()
+        self._socket = self._socket or self._connect()
         try:
             request = HEAD.pack(self._number, 0, len(frame) + 2, UNIT, FEEDBACK) + frame
             self._socket.sendall(request)

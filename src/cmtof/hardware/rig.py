@@ -113,7 +113,7 @@ class Rig:
     # one, and a splitter: two drift apart
     clock_channels: tuple[Literal[1, 2], ...] = Field(default=(1,), min_length=1)
     # silence that switches the RF drivers off
-    dead_man: float = Field(default=5.0, ge=0.1, le=60)
+    dead_man: float = Field(default=5.0, ge=2, le=60)
     # of the mounts at theta_h = 0
     plate_zero_emission_deg: Degrees = 0.0
     plate_zero_detection_deg: Degrees = 0.0
@@ -155,6 +155,11 @@ class Rig:
             raise ValueError(
                 f"Expected {' '.join(LINES)} and both mirrors on terminals of their own, "
                 f"got {' '.join(sorted(used))}. Wire one elsewhere."
+            )
+        if self.scans > self.rate:
+            raise ValueError(
+                f"Expected bursts of at most 1 s, got {self.scans} samples at a lower rate. "
+                "Raise it or take fewer."
             )
         if self.settle_samples >= self.samples_per_phase:
             raise ValueError(
