@@ -229,7 +229,8 @@ plotting.save(
     },
     caption="Noise beyond the linear regime, simulated at the paper's settings. (a) Standard "
     "deviation of the wrapped phase at eight brightnesses, with the exact law; the small-noise "
-    "formula is too small from 0.7 to 0.2, and exceeds what an angle can spread for darker pixels. "
+    "formula is too small down to a brightness of 0.2, slightly too large at 0.1, and exceeds what "
+    "an angle can spread for darker pixels. "
     "(b) Histograms of the error, with "
     "[Eq. 2.2](#eq-2.2).",
     alt="Left, spread of the phase over the small-noise formula, both logarithmic: the points "

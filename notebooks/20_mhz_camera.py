@@ -258,9 +258,9 @@ plotting.save(
 #
 # $$N = \frac{P\,T}{h\nu}\,\frac{\eta\,t}{n}\;\frac{\varrho\cos\theta\,A}{\pi z^2}$$
 #
-# electrons to each, with the quantum efficiency $\eta$, transmission $t$ and opening $A$ of the
-# lens; for the scanner $n = 1$. The paper calls both photon budgets comparable; this holds for the
-# instruments, not for a pixel.
+# electrons to each in the exposure $T$, with the quantum efficiency $\eta$, transmission $t$ and
+# opening $A$ of the lens; for the scanner $n = 1$. The paper calls both photon budgets
+# comparable; this holds for the instruments, not for a pixel.
 
 # %% tags=["hide-input"]
 time = paper.published_number("sec7.integration_time").value
@@ -268,7 +268,7 @@ pixels = np.prod(camera.shape)
 electrons = 4 * camera.signal(card(0.5))[0, 0]
 sent = sent_power(twin) * time, camera.power * camera.exposure / pixels
 notes.table(
-    ("at 1 m, reflectance 0.5", "GHz, scanned", "100 MHz, flood"),
+    ("at 1 m, reflectance 0.5", "GHz, scanned, one mode", "100 MHz, flood"),
     [
         (
             "light sent",
@@ -277,7 +277,7 @@ notes.table(
         ),
         ("sent to a pixel", f"{1e6 * sent[0]:.0f} µJ", f"{1e12 * sent[1]:.0f} pJ"),
         ("photo-electrons of a pixel", "", f"{electrons:.0f}"),
-        ("an image of 640 × 480", f"{2 * time * pixels / 60:.0f} min", "8 ms"),
+        ("an image of 640 × 480", f"{time * pixels / 60:.0f} min", "8 ms"),
         (
             "one wrap",
             f"{1e3 * wrap_length(7.15e9):.1f} mm",
@@ -289,11 +289,12 @@ notes.table(
 # %% [markdown]
 # ## Noise and scattered light
 #
-# The taps of a pixel collect $A, B = (S \pm m\,\mathrm{Re}\,F e^{-i\psi})/2$, with the phasor $F$
-# of its light. Their difference has the variance $v = S + \sigma^2$ (Skellam distribution and
-# amplifier) in all four steps, so that
+# Four steps share the exposure. In each the taps of a pixel collect
+# $A, B = (S \pm m\,\mathrm{Re}\,F e^{-i\psi})/2$, with the contrast $m$, the charge $S$ of all
+# light, and the phasor $F$ of the pixel's own, $|F| = N/4$. The difference has the variance
+# $v = S + \sigma^2$ (Skellam distribution and amplifier), so that
 #
-# $$\sigma_z = \frac{c}{4\pi f}\,\frac{\sqrt{v/2}}{m\,N}.$$
+# $$\sigma_z = \frac{c}{4\pi f}\,\frac{\sqrt{v/2}}{m\,|F|}.$$
 #
 # Even without noise, texture changes the range. Lens and sensor scatter a share of all light evenly
 # over the image. With $s$ its phasor over the pixel's own and $\Delta$ the difference of their
