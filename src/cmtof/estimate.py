@@ -1,5 +1,6 @@
 """The result of an unwrapping method, and quantities of a measurement that methods share."""
 
+from math import ceil, floor
 from typing import NamedTuple
 
 import numpy as np
@@ -45,7 +46,7 @@ def wraps_in_range(measurement: Measurement) -> tuple[int, int]:
     """First and last wrap of the lowest frequency with a depth in ``min <= z < max``."""
     low, high = np.asarray(measurement.range) / wrap_length(measurement.frequencies[0])
     # limits that are whole wraps but for rounding belong to the wrap that they begin
-    return int(np.floor(low + 1e-9)), int(np.ceil(high - 1e-9)) - 1
+    return floor(low + 1e-9), ceil(high - 1e-9) - 1
 
 
 def sets_of_wraps(confidence: Array, measurement: Measurement) -> dict[str, Array]:

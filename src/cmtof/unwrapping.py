@@ -16,7 +16,13 @@ from cmtof.correlation import (
     wrap_count_from_depth,
     wrap_length,
 )
-from cmtof.estimate import Components, Estimate, sets_of_wraps, within_range
+from cmtof.estimate import (
+    Components,
+    Estimate,
+    sets_of_wraps,
+    within_range,
+    wraps_in_range,
+)
 from cmtof.files import AnyPath, atomic_output
 from cmtof.measurement import Measurement, open_measurement, tiles
 from cmtof.methods import DEFAULT, find_method
@@ -128,10 +134,13 @@ def _result_variables(
         np.float32
     )  # as it is stored and scored
     mask &= confidence >= min_confidence
-    count = np.where(mask, wrap_count_from_depth(estimated_depth, frequency), -1)
+    # rounding may carry an end of the range across a boundary of wraps
+    count = np.clip(
+        wrap_count_from_depth(estimated_depth, frequency), *wraps_in_range(measurement)
+    )
     dims = ("y", "x")
     return {
-        "wrap_count": (dims, count.astype(np.int32)),
+        "wrap_count": (dims, np.where(mask, count, -1).astype(np.int32)),
         "depth": (
             dims,
             np.where(mask, depth, np.nan).astype(np.float32),
