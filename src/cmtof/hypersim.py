@@ -208,7 +208,7 @@ def camera_from_projection(projection: ArrayLike, shape: tuple[int, ...]) -> Arr
 
 
 def split_views(listed: Iterable[View]) -> dict[str, list[View]]:
-    """Published views divided into train, val and test; each list is sorted.
+    """Listed views divided into train, val and test; each list is sorted.
 
     Test are the paper's test frames or, in sets rendered here, the first view of each test scene;
     train and val are the official partitions without the scenes of any test frame.

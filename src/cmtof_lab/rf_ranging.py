@@ -102,7 +102,7 @@ class RfRanger(PhaseRanger):
         return np.array([10 ** (self.amplitude_imbalance / 20), self.phase_imbalance])
 
     def output(self, envelopes: Complex) -> Complex:
-        """Voltages I + iQ, V, behind mixer and amplifiers, of envelopes, V, in the load."""
+        """Voltages I + iQ, V, behind mixer and amplifiers, for envelopes, V, at their input."""
         gain = np.sqrt(self.gain_ahead) * self.baseband_gain
         return gain * skew_quadratures(envelopes, *self.imbalance)
 

@@ -60,7 +60,7 @@ def _stripes(s: Array, t: Array) -> Flags:
 
 
 def _checks(s: Array, t: Array) -> Array:
-    """Squares of both colours by turns."""
+    """Chequered squares of two colours."""
     return (np.floor(s) + np.floor(t)) % 2
 
 

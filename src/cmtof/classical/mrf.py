@@ -240,7 +240,7 @@ def _least_cost(before, fall, buffers):  # pragma: no cover - compiled
 
 
 def energy(field: RandomField, labels: Numbers) -> float:
-    """E of labels (H, W) with the convex prior."""
+    """Energy of labels (H, W): their own costs, and the convex prior on steps to neighbours."""
     own = field.unary(labels).sum(dtype=float)
     pairs = sum(abs(_steps(field, labels, axis)).sum() for axis in (0, 1))
     return float(own + JUMP * pairs)

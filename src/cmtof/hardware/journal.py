@@ -90,7 +90,7 @@ def resume_journal(path: Path, header: Named, plan: Plan) -> list[LineRecord]:
 
 
 def _record(content: bytes, line: Line, phases: int) -> LineRecord:
-    """Record of a plan's line from JSON; an error of some kind if it does not fit the line."""
+    """Record of one line of the plan from JSON; an error if it does not fit that line."""
     found = json.loads(content)
     arrays = {name: np.array(found[name], kind) for name, kind in KINDS.items()}
     record = LineRecord(**found | arrays)

@@ -185,7 +185,7 @@ class LabJackT7(Device):
         self._expect("rate", wanted, self.rate, 1e-3 * wanted)
 
     def _samples(self) -> Counts:
-        """Counts of a started burst, from its packets, 16-bit."""
+        """Counts, 16-bit, of a running burst, read from the packets of the stream."""
         size = self._settings["STREAM_SAMPLES_PER_PACKET"]
         packet = np.dtype([("head", ">u2", 8), ("counts", ">u2", size)])
         wanted = self._size // size * packet.itemsize

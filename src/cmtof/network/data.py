@@ -286,7 +286,7 @@ def batch_at(
 
 
 def batch_of(crops: list[tuple], offset: float = 0.0) -> Batch:
-    """Batch of crops (depth, intensity, sigma, generator of their noise and phase offset)."""
+    """Batch of crops: depth, intensity, sigma, and a generator of noise and phase offset."""
     drawn = [
         (
             depth,

@@ -84,7 +84,7 @@ def block_sums(field, region, q, places):  # pragma: no cover - compiled
 
 @inlined
 def unit_phasor(turns):  # pragma: no cover - compiled
-    """exp(-i x) of an angle in turns, to 6e-8: Taylor series on a quarter turn to each side."""
+    """exp(-2 pi i turns), to 6e-8: Taylor series on a quarter turn to each side."""
     whole = np.floor(2 * turns + 0.5)
     x = (turns - 0.5 * whole) * TAU
     odd = 1.0 - 2.0 * (whole - 2.0 * np.floor(0.5 * whole))

@@ -105,7 +105,7 @@ def _crossings(label: Numbers) -> tuple[Numbers, Numbers]:
 def _jumps(
     field: Field, label: Numbers, surfaces: Array, pairs: Numbers, at: Numbers
 ) -> Array:
-    """Wraps (2, C) by which the first surface is farther at borders, and change per pixel."""
+    """Wraps by which the first surface is farther at border pixels, and change per px (2, C)."""
     # on this side of the border and on the other
     one, other = (
         np.subtract(*(depth_of_pixels(field, surfaces, n, *place) for n in pairs))

@@ -52,9 +52,9 @@ class Offsets(NamedTuple):
 def pixel_labels(
     field: Field, owner: Numbers, surfaces: Array
 ) -> tuple[Numbers, Array, Numbers]:
-    """Likeliest surface (H, W), -1 for none, by a square about each pixel; S over that expected.
+    """Likeliest surface of each pixel (H, W), -1 for none, how well it fits, and `interiors`.
 
-    And the `interiors` of the surfaces.
+    Both follow from a square about the pixel; the fit is the score S over that expected.
     """
     side = 2 * RADIUS + 1
     shape = field.cosine.shape

@@ -139,7 +139,7 @@ def _depth_of_beat(field, beat, phase):  # pragma: no cover - compiled
 
 @inlined
 def _beats(field, window, information):  # pragma: no cover - compiled
-    """Beat of a window, summed over blocks for each alias (A, A) of its slope; lower phase, rad."""
+    """Beat of a window for each alias (A, A) of its slope, and the phase of the lower tone, rad."""
     side = window[2]
     count = 8 if side >= 32 and information > 4 * _LEAST else 4
     sums = _blocks(field, window, count)
