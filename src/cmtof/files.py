@@ -7,7 +7,6 @@ import struct
 import time
 from collections.abc import Iterator
 from contextlib import contextmanager, suppress
-from glob import escape
 from itertools import count
 from mmap import ACCESS_READ, mmap
 from pathlib import Path
@@ -76,21 +75,16 @@ def check_links(file: Any) -> None:
 def check_output(path: AnyPath, suffix: str = "") -> Path:
     """Check that a file can be written, before anything is computed; return its real path.
 
-    A ValueError if its name lacks a given suffix, an OSError if the folder is missing or cannot be
-    written to, or it is a folder or a device.
+    A ValueError if its name, or that of the file that a link leads to, lacks a given suffix; an
+    OSError if the folder is missing or cannot be written to, or it is no regular file.
     """
     target = Path(path)
+    if target.is_symlink():  # what it points to is replaced, not the link
+        target = Path(os.path.realpath(target))
     if suffix and target.suffix != suffix:
         raise ValueError(
             f"Expected an output named *{suffix}, got {target.name}. Rename it."
         )
-    if target.is_symlink():  # what it points to is replaced, not the link
-        try:
-            target = target.resolve()
-        except (OSError, RuntimeError):
-            raise FileExistsError(
-                f"Expected a link to a file, got a circle of links at {target}. Name a file."
-            ) from None
     if target.is_dir():
         raise IsADirectoryError(
             f"Expected a file to write, got the folder {target}. Name a file."
@@ -99,9 +93,9 @@ def check_output(path: AnyPath, suffix: str = "") -> Path:
         raise FileNotFoundError(
             f"Expected an existing folder to write into, got {target.parent}. Create it first."
         )
-    if target.exists() and not target.is_file():
+    if os.path.lexists(target) and not target.is_file():
         raise FileExistsError(
-            f"Expected a regular file to write, got a device or pipe, {target}. Name a file."
+            f"Expected a regular file to write, got {target}. Name no device, pipe or circle."
         )
     probe = _temporary_path(target)
     try:
@@ -117,16 +111,15 @@ def check_output(path: AnyPath, suffix: str = "") -> Path:
 
 def _temporary_path(target: Path) -> Path:
     """Unused path of a temporary file beside a file, with the same suffix."""
+    # a name of 255 bytes has no room for more
     return target.with_name(
-        f".{target.stem}.part-{os.getpid()}-{next(_NUMBER)}{target.suffix}"
+        f".{target.stem[:50]}.part-{os.getpid()}-{next(_NUMBER)}{target.suffix}"
     )
 
 
 def _remove_leftovers(target: Path) -> None:
     """Remove temporary files of killed processes beside a file, if they are some minutes old."""
-    for part in target.parent.glob(
-        f".{escape(target.stem)}.part-*{escape(target.suffix)}"
-    ):
+    for part in target.parent.glob(".*.part-*"):
         process = re.search(r"\.part-(\d+)-\d+$", part.stem)
         if process and not Path("/proc", process[1]).exists():
             with suppress(OSError):
@@ -156,6 +149,10 @@ def atomic_output(path: AnyPath, suffix: str = "") -> Iterator[Path]:
             shutil.copymode(target, part)
         yield part
         part.replace(target)
+    except OSError as error:
+        if error.errno:  # of the system, which names no file on a full disk
+            error.filename = error.filename or target
+        raise
     finally:
         part.unlink(missing_ok=True)
 

@@ -7,6 +7,7 @@ import sys
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from contextlib import contextmanager
 from pathlib import Path
+from shutil import get_terminal_size
 
 # Replacements of characters that the output's encoding lacks.
 PLAIN = str.maketrans(
@@ -136,8 +137,9 @@ def print_table(title: str, rows: Sequence[Mapping[str, object]]) -> None:
     from rich.text import Text
 
     head = dict.fromkeys(title for row in rows for title in row)
-    table = Table(*head, title=Text(escape_controls(title)) if title else None)
+    table = Table(*head, title=Text(escape_controls(title)))
     table.columns[0].no_wrap = True
     for row in rows:
         table.add_row(*(Text(escape_controls(row.get(title, ""))) for title in head))
-    Console().print(table)
+    # a narrower one would leave out numbers
+    Console(width=max(80, get_terminal_size().columns)).print(table)

@@ -78,10 +78,10 @@ def unwrap(
     attributes = {
         "method": chosen.name,
         "method_source": chosen.source,
-        "frequency": float(measurement.frequencies[0]),
+        "frequency": measurement.frequencies[0],
         "range_min": measurement.range[0],
         "range_max": measurement.range[1],
-        "min_confidence": float(min_confidence),
+        "min_confidence": min_confidence,
         "stray_light_removed": int(covered is not None),
         **{f"option_{name}": storable(value) for name, value in options.items()},
         "version": __version__,
@@ -194,7 +194,7 @@ def _unwrap_tiles(
         height = dataset.sizes["y"]
         width = dataset.sizes["x"]
         if shutil.disk_usage(part.parent).free < (
-            need := 16 * height * width
+            need := 16 * height * width + 2**20
         ):  # or HDF5 ends all
             raise OSError(
                 f"Expected {need} bytes of disk space for {output}, got less. Free some."
@@ -229,6 +229,5 @@ def _write_tile(file: Any, result: Dataset, place: tuple[slice, slice]) -> None:
                 image.dtype,
                 chunks=image.shape,
                 compression="gzip",
-                compression_opts=1,
             ).attrs.update(image.attrs)
         file.variables[name][place] = image.to_numpy()

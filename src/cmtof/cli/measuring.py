@@ -136,8 +136,7 @@ def info(
     file: File = None,
 ) -> None:
     """Print versions and embedded frames, or what a file holds."""
-    from importlib.metadata import version
-    from importlib.util import find_spec
+    from importlib.metadata import packages_distributions, version
 
     from cmtof import __version__
     from cmtof.captures import data_root
@@ -172,15 +171,11 @@ def info(
     print(
         f"cmtof {__version__}, Python {sys.version.split()[0]}, {os.cpu_count()} processors"
     )
-    for name, needed in (
-        ("onnxruntime", "learned methods need"),
-        ("torch", "training needs"),
-    ):
+    # a module may come from another package, as from onnxruntime-gpu
+    packages = packages_distributions()
+    for name in ("onnxruntime", "torch"):
         print(
-            name,
-            version(name)
-            if find_spec(name)
-            else f"is not installed (only {needed} it)",
+            name, " ".join(map(version, packages.get(name, []))) or "is not installed"
         )
     print(f"embedded frames: {', '.join(embedded_frames())}")
     print(f"published captures: {data_root() or 'not on this machine'}")

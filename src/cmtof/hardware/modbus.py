@@ -61,7 +61,7 @@ class Feedback:
         """Exactly ``size`` bytes from the socket; ConnectionResetError if it ends before."""
         data = b""
         while len(data) < size:
-            part = self._socket.recv(size - len(data)) if self._socket else b""
+            part = self._socket.recv(size - len(data))  # pyright: ignore[reportOptionalMemberAccess]
             if not part:
                 raise ConnectionResetError("the connection was closed")
             data += part
