@@ -71,10 +71,10 @@ plotting.save(
 # %% [markdown]
 # ## Beside Hypersim
 #
-# Only percentiles of Hypersim are compared. They were taken from its frames once, with its own
-# brightness, 0.30 R + 0.59 G + 0.11 B; its frames are not part of this repository. Brightness
-# stands for noise here, which follows from green alone ([chapter 5](05_simulation.ipynb)); range
-# determines the number of wraps.
+# Only percentiles of Hypersim are compared. They are given here, not computed: its frames are not
+# part of this repository. Brightness is Hypersim's, 0.30 R + 0.59 G + 0.11 B, and stands for the
+# noise, which follows from green alone ([chapter 5](05_simulation.ipynb)). Range determines the
+# number of wraps.
 
 # %% tags=["hide-input"]
 HYPERSIM = {

@@ -365,7 +365,7 @@ notes.table([f"%, {len(counts)} test frames", *head], [*rows, GOALS])
 # %% [markdown]
 # The table below has views of a living room that others modelled («The Grey & White Room» by Wig42,
 # CC-BY 3.0), path-traced at 512×768 px (`cmtof evaluate`, seed 0). No method was tuned on them, but
-# the rooms on which methods are tuned were made like them
+# the rooms on which methods are tuned were made to resemble them
 # ([chapter 6](06_scenes.ipynb)), so they are no independent test:
 
 # %% tags=["hide-input"]

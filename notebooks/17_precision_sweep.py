@@ -527,7 +527,7 @@ notes.answer(
     plate=1e3 * median["RF", "diffuse", "plausible"],
     rough_low=ends_of["captures"][0],
     rough_high=ends_of["captures"][1],
-    needed=float(f"{needed:.1g}"),
+    needed=float(f"{needed:.2g}"),
 )
 
 # %% [markdown]

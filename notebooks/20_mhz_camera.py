@@ -268,16 +268,20 @@ pixels = np.prod(camera.shape)
 electrons = 4 * camera.signal(card(0.5))[0, 0]
 sent = sent_power(twin) * time, camera.power * camera.exposure / pixels
 notes.table(
-    ("at 1 m, reflectance 0.5", "GHz, scanned, one mode", "100 MHz, flood"),
+    ("at 1 m, reflectance 0.5", "GHz, scanned", "100 MHz, flood"),
     [
         (
             "light sent",
             f"{1e3 * sent_power(twin):.1f} mW",
             f"{1e3 * camera.power:.0f} mW",
         ),
-        ("sent to a pixel", f"{1e6 * sent[0]:.0f} µJ", f"{1e12 * sent[1]:.0f} pJ"),
+        (
+            "sent to a pixel, in a mode",
+            f"{1e6 * sent[0]:.0f} µJ",
+            f"{1e12 * sent[1]:.0f} pJ",
+        ),
         ("photo-electrons of a pixel", "", f"{electrons:.0f}"),
-        ("an image of 640 × 480", f"{time * pixels / 60:.0f} min", "8 ms"),
+        ("640 × 480 pixels, in all modes", f"{2 * time * pixels / 60:.0f} min", "8 ms"),
         (
             "one wrap",
             f"{1e3 * wrap_length(7.15e9):.1f} mm",

@@ -60,7 +60,7 @@ def test_what_a_killed_process_left_is_removed(process, age, left):
     lost = Path(f".a.part-{process}-0.txt")
     lost.touch()
     os.utime(lost, (time.time() - age,) * 2)
-    with atomic_output("a.txt") as part:
+    with atomic_output("b" * 251 + ".txt") as part:
         part.touch()
     assert lost.exists() == left
 

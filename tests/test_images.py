@@ -1,6 +1,5 @@
 """Images of depth and light as others store them: what they mean, and what is said of them."""
 
-import json
 from pathlib import Path
 
 import numpy as np
@@ -11,12 +10,14 @@ from refusals import refused
 
 from cmtof.frame import Frame, ray_lengths
 from cmtof.scenes import frames_in, load_frame
+from cmtof_book.provenance import read_json
 
 pytestmark = mark.usefixtures("own_folder")
 SHAPE = (12, 16)
 CAMERA = [50.0, 60.0, 8.0, 6.0]
 DEPTH = np.linspace(1.5, 3.0, 192).reshape(SHAPE)
 LIGHT = np.full((*SHAPE, 3), 188, np.uint8)  # sRGB of one half
+INFRARED = np.full(SHAPE, 255, np.uint16)
 
 
 def write(name, pixels):
@@ -32,6 +33,9 @@ def levels(scale):
     return np.rint(DEPTH * scale).astype(np.uint16)
 
 
+LEVELS = levels(1000)
+
+
 def read(depth, light=LIGHT, name="d.png", **how):
     """A frame of two images as they are stored."""
     return load_frame(write(name, depth), intensity=write("light.png", light), **how)
@@ -41,21 +45,21 @@ def read(depth, light=LIGHT, name="d.png", **how):
     "depth, how, right, note",
     [
         (levels(5000), {"depth_scale": 5000}, DEPTH, "along the ray"),
-        (levels(1000), {}, DEPTH, "1000 levels a metre, for want of a scale"),
+        (LEVELS, {}, DEPTH, "1000 levels a metre, for want of a scale"),
         (
-            levels(1000) * 8,  # as if turned
+            LEVELS * 8,  # as if turned
             {"depth_scale": 8000},
             DEPTH,
             "multiples of 8: if these are SUN RGB-D's",
         ),
         (
-            np.where(DEPTH > 2.9, np.uint16(65535), levels(1000)),
+            np.where(DEPTH > 2.9, np.uint16(65535), LEVELS),
             {},
             np.where(DEPTH > 2.9, np.nan, DEPTH),
             "at level 65535, taken as unknown",
         ),
         (
-            levels(1000).clip(max=2500),
+            LEVELS.clip(max=2500),
             {},
             DEPTH.clip(max=2.5),
             "at the largest level, 2500",
@@ -72,18 +76,13 @@ def test_levels_are_depths_and_odd_ones_are_named(depth, how, right, note):
     "light, how, right, note",
     [
         (LIGHT, {}, 0.5, ""),
-        (
-            np.full(SHAPE, 255, np.uint16),
-            {"linear": True},
-            1.0,
-            "",
-        ),  # an infrared image
-        (np.full(SHAPE, 255, np.uint16), {}, 0.0003, "is it linear (--linear)?"),
+        (INFRARED, {"linear": True}, 1.0, ""),
+        (INFRARED, {}, 0.0003, "is it linear (--linear)?"),
         (np.full((24, 32), 188, np.uint8), {}, 0.5, "resampled from 24x32 to 12x16 px"),
     ],
 )
 def test_light_is_linear_and_dark_light_is_named(light, how, right, note):
-    frame = read(levels(1000), light, **how)
+    frame = read(LEVELS, light, **how)
     assert_allclose(frame.intensity, right, atol=0.005)
     assert note in frame.note
 
@@ -96,8 +95,8 @@ def test_planar_depth_becomes_range_along_the_ray():
 @mark.parametrize(
     "name, depth, within",
     [
-        ("d.pgm", levels(1000), 6e-4),
-        ("d.npy", levels(1000), 6e-4),
+        ("d.pgm", LEVELS, 6e-4),
+        ("d.npy", LEVELS, 6e-4),
         ("d.npy", DEPTH, 1e-6),
         ("d.pfm", DEPTH.astype(np.float32), 1e-6),
     ],
@@ -110,8 +109,8 @@ def test_other_formats_hold_levels_or_metres(name, depth, within):
     "depth, how, message",
     [
         (LIGHT, {}, "one channel of depth"),
-        (levels(1000), {"planar": True}, "for planar depth a camera"),
-        (levels(1000), {"depth_scale": 0}, "depth scale > 0"),
+        (LEVELS, {"planar": True}, "for planar depth a camera"),
+        (LEVELS, {"depth_scale": 0}, "depth scale > 0"),
     ],
 )
 def test_what_a_pair_lacks_is_asked_for(depth, how, message):
@@ -120,7 +119,7 @@ def test_what_a_pair_lacks_is_asked_for(depth, how, message):
 
 
 def test_depth_without_light_is_refused():
-    depth = write("d.png", levels(1000))
+    depth = write("d.png", LEVELS)
     with refused("intensity image beside"):
         load_frame(depth)
     Path("fake.png").write_bytes(b"no image")
@@ -134,7 +133,7 @@ def test_depth_without_light_is_refused():
 @mark.parametrize(
     "content",
     [
-        b"P5 16 12 4095 " + levels(1000).byteswap().tobytes(),
+        b"P5 16 12 4095 " + LEVELS.byteswap().tobytes(),
         b"P2 16 12 4095 " + b"1500 " * 192,
     ],
 )
@@ -155,7 +154,7 @@ def test_options_of_images_are_refused_beside_archives(place, options):
 
 
 def test_pairs_of_a_folder_are_read_in_the_order_of_their_numbers(tmp_path):
-    depth = levels(1000)
+    depth = LEVELS
     depth[0, 0] = 0
     for name in ("2.png", "10.png"):
         write(f"depth/{name}", depth)
@@ -166,7 +165,7 @@ def test_pairs_of_a_folder_are_read_in_the_order_of_their_numbers(tmp_path):
 
 
 def test_scannet_tells_its_camera(own_folder):
-    write("depth/0.png", levels(1000))
+    write("depth/0.png", LEVELS)
     write("color/0.png", LIGHT)
     matrix = Path("intrinsic/intrinsic_depth.txt")
     matrix.parent.mkdir()
@@ -243,5 +242,5 @@ def test_evaluate_reads_images_as_told_and_stores_what_is_odd(succeeds):
     command = "evaluate . --method middle --json scores.json"
     note = "depth taken along the ray"
     assert f"1: {note}" in succeeds(command, "--depth-scale 5000")
-    assert json.loads(Path("scores.json").read_text())["notes"]["1"] == note
+    assert read_json(Path("scores.json"))["notes"]["1"] == note
     assert "1000 levels a metre" in succeeds(command)

@@ -49,6 +49,7 @@ def test_results_obey_range_and_mask_and_repeat(
     count, depth, confidence = found
     assert (count[~mask] == -1).all()
     assert (count[mask] >= int(low / WRAP)).all()
+    assert (count[mask] <= high / WRAP).all()
     assert np.isnan(depth[~mask]).all()
     assert ((depth[mask] >= low - 1e-6) & (depth[mask] < high + 1e-6)).all()
     assert ((confidence >= 0) & (confidence <= mask)).all()

@@ -21,8 +21,11 @@ def stored(own_folder, measurement_file):
 
 
 @mark.parametrize("encoding", ["cp1252", "ascii", "utf-8"])
-def test_tables_print_in_any_encoding_and_names_as_they_are(encoding, monkeypatch):
+def test_tables_print_in_any_encoding_and_width_and_names_as_they_are(
+    encoding, monkeypatch
+):
     monkeypatch.setenv("PYTHONIOENCODING", encoding)
+    monkeypatch.setenv("COLUMNS", "20")
     text = subprocess.check_output(COMMAND, encoding=encoding)
     assert ("δ<1" if encoding == "utf-8" else "d<1") in text
     assert NAME in text

@@ -72,9 +72,12 @@ def beat_repeats(measurement: Measurement) -> float:
 
 
 def within_range(depth: Array, measurement: Measurement) -> Array:
-    """Depths, m, clipped into ``min <= z < max``."""
+    """Depths, m, clipped into ``min <= z < max``, and a nanometre from both ends at the least.
+
+    The quotient by a wrap may carry an end itself across a boundary of wraps.
+    """
     low, high = measurement.range
-    return np.clip(depth, low, np.nextafter(high, low))
+    return np.clip(depth, low + 1e-9, high - 1e-9)
 
 
 def quotient(above: NDArray, below: Array, otherwise: float = 0.0) -> NDArray:

@@ -95,7 +95,7 @@ def check_output(path: AnyPath, suffix: str = "") -> Path:
         )
     if os.path.lexists(target) and not target.is_file():
         raise FileExistsError(
-            f"Expected a regular file to write, got {target}. Name no device, pipe or circle."
+            f"Expected a file, got a device, pipe or circle of links, {target}. Name a file."
         )
     probe = _temporary_path(target)
     try:

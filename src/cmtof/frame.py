@@ -148,7 +148,7 @@ def list_npz(path: Path) -> Texts:
     return found
 
 
-def frame_from_npz(path: Path, camera: ArrayLike | None = None) -> Frame:
+def frame_from_npz(path: Path, camera: ArrayLike | None) -> Frame:
     """Frame of an ``.npz`` with ``depth``, ``intensity`` and, unless given, ``camera``."""
     arrays = read_npz(path)
     if not arrays.keys() >= {"depth", "intensity"}:

@@ -16,13 +16,7 @@ from cmtof.correlation import (
     wrap_count_from_depth,
     wrap_length,
 )
-from cmtof.estimate import (
-    Components,
-    Estimate,
-    sets_of_wraps,
-    within_range,
-    wraps_in_range,
-)
+from cmtof.estimate import Components, Estimate, sets_of_wraps, within_range
 from cmtof.files import AnyPath, atomic_output
 from cmtof.measurement import Measurement, open_measurement, tiles
 from cmtof.methods import DEFAULT, find_method
@@ -81,7 +75,7 @@ def unwrap(
         "frequency": measurement.frequencies[0],
         "range_min": measurement.range[0],
         "range_max": measurement.range[1],
-        "min_confidence": min_confidence,
+        "min_confidence": float(min_confidence),
         "stray_light_removed": int(covered is not None),
         **{f"option_{name}": storable(value) for name, value in options.items()},
         "version": __version__,
@@ -134,13 +128,10 @@ def _result_variables(
         np.float32
     )  # as it is stored and scored
     mask &= confidence >= min_confidence
-    # rounding may carry an end of the range across a boundary of wraps
-    count = np.clip(
-        wrap_count_from_depth(estimated_depth, frequency), *wraps_in_range(measurement)
-    )
+    count = np.where(mask, wrap_count_from_depth(estimated_depth, frequency), -1)
     dims = ("y", "x")
     return {
-        "wrap_count": (dims, np.where(mask, count, -1).astype(np.int32)),
+        "wrap_count": (dims, count.astype(np.int32)),
         "depth": (
             dims,
             np.where(mask, depth, np.nan).astype(np.float32),
@@ -229,5 +220,6 @@ def _write_tile(file: Any, result: Dataset, place: tuple[slice, slice]) -> None:
                 image.dtype,
                 chunks=image.shape,
                 compression="gzip",
+                compression_opts=1,
             ).attrs.update(image.attrs)
         file.variables[name][place] = image.to_numpy()

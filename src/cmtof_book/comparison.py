@@ -92,8 +92,8 @@ def show_swipe(scene: Scene, left: str, right: str) -> None:
         f'<input type="range" aria-label="Divider: {left} at its left, {right} at its right">'
         '</div><label><input type="checkbox"> errors</label> <output></output>'
         f"<figcaption>{first} at the left, {second} at the right. "
-        "Move the divider with the pointer or the arrow keys. Brighter is farther; of "
-        "errors black is right, the brightest 10 wraps or more. The line "
+        "Move the divider with the pointer or the arrow keys. Brighter is farther, and of "
+        "errors more wraps off; black is right. The line "
         "above tells of the pixel under the pointer; shift and arrow keys move it."
         "</figcaption></figure>"
     )

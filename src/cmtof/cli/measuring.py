@@ -174,8 +174,7 @@ def info(
     # a module may come from another package, as from onnxruntime-gpu
     packages = packages_distributions()
     for name in ("onnxruntime", "torch"):
-        print(
-            name, " ".join(map(version, packages.get(name, []))) or "is not installed"
-        )
+        versions = " ".join(map(version, packages.get(name, [])))
+        print(name, versions or "is not installed (only training needs torch)")
     print(f"embedded frames: {', '.join(embedded_frames())}")
     print(f"published captures: {data_root() or 'not on this machine'}")

@@ -4,6 +4,7 @@ import tomllib
 from collections.abc import Callable, Sequence
 from functools import wraps
 from inspect import Parameter, Signature, signature
+from itertools import chain
 from pathlib import Path
 from typing import Annotated, Any
 
@@ -43,15 +44,13 @@ def as_command(function: Callable[..., None]) -> Callable[..., None]:
             given[group] = {one.name: given.pop(one.name) for one in options}
         function(**given)
 
-    shared = [one for options in groups.values() for one in options]
-    vars(command)["__signature__"] = Signature([*plain, *shared])
+    vars(command)["__signature__"] = Signature([*plain, *chain(*groups.values())])
     return command
 
 
 def _of_group(name: str, *, type: str, default: Any = None, **line: Any) -> Parameter:
     """Option of a group, of a type out of `TYPES`."""
-    kind: Any = TYPES[type] if default is not None else TYPES[type] | None
-    return _option(name, kind, default, **line)
+    return _option(name, TYPES[type] | None, default, **line)
 
 
 def _option(

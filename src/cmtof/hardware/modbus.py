@@ -33,12 +33,13 @@ class Feedback:
         try:
             request = HEAD.pack(self._number, 0, len(frame) + 2, UNIT, FEEDBACK) + frame
             self._socket.sendall(request)
-            number, _, length, _, function = HEAD.unpack(self._receive(HEAD.size))
+            head = receive(self._socket, HEAD.size)
+            number, _, length, _, function = HEAD.unpack(head)
             if number != self._number or function & 0x7F != FEEDBACK:
                 raise BadReply(
                     f"Expected answer {self._number}, got {number}. Ask again."
                 )
-            body = self._receive(length - 2)
+            body = receive(self._socket, length - 2)
         except Exception:
             self.close()
             raise
@@ -57,12 +58,13 @@ class Feedback:
     def _connect(self) -> socket.socket:
         return socket.create_connection(self.address, self._timeout)
 
-    def _receive(self, size: int) -> bytes:
-        """Exactly ``size`` bytes from the socket; ConnectionResetError if it ends before."""
-        data = b""
-        while len(data) < size:
-            part = self._socket.recv(size - len(data))  # pyright: ignore[reportOptionalMemberAccess]
-            if not part:
-                raise ConnectionResetError("the connection was closed")
-            data += part
-        return data
+
+def receive(line: socket.socket, size: int) -> bytes:
+    """Exactly ``size`` bytes from a socket; ConnectionResetError if it ends before."""
+    data = b""
+    while len(data) < size:
+        part = line.recv(size - len(data))
+        if not part:
+            raise ConnectionResetError("the connection was closed")
+        data += part
+    return data

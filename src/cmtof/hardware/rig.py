@@ -158,8 +158,8 @@ class Rig:
             )
         if self.scans > self.rate:
             raise ValueError(
-                f"Expected bursts of at most 1 s, got {self.scans} samples at a lower rate. "
-                "Raise it or take fewer."
+                f"Expected bursts of at most 1 s, got {self.scans} samples at {self.rate:g} Hz. "
+                "Raise the rate or take fewer."
             )
         if self.settle_samples >= self.samples_per_phase:
             raise ValueError(
