@@ -135,8 +135,10 @@ def test_a_device_that_is_silent_at_the_start_keeps_no_other_on(world, lit, role
     assert world.panel.detection.on == (role == "rf_detection")
 
 
-def test_a_device_whose_name_is_garbled_goes_dark(world, lit):
-    world.ends["rf_emission"].wire.fail(b"ID?", b"nonsense\n", times=2)
+@mark.parametrize("role", ["rf_emission", "daq"])
+def test_a_device_whose_name_is_garbled_goes_dark(world, lit, role):
+    world.ends["stream"].close()
+    world.ends[role].wire.fail(b"", b"nonsense\n", times=2)
     with refused("Expected", InstrumentError), connected_bench(world.rig):
         pass
     assert world.dark
@@ -163,7 +165,7 @@ def test_a_read_out_whose_power_comes_back_is_dark_once_that_is_saved(world, lit
 
 
 def test_all_goes_dark_when_the_interlock_opens_while_a_person_is_asked(
-    world, monkeypatch
+    world, monkeypatch, capsys
 ):
     def press_enter(text):
         world.panel.interlock_closed = False
@@ -174,6 +176,9 @@ def test_all_goes_dark_when_the_interlock_opens_while_a_person_is_asked(
     with refused("the interlock closed", Unsafe), connected_bench(world.rig) as bench:
         bench.switch("laser", True)
         bench.ask("Enter? ")
+    assert (
+        "got it open. Close doors and covers. All is dark." in capsys.readouterr().err
+    )
 
 
 def test_a_program_whose_terminal_is_closed_ends_in_the_dark(world):
@@ -187,7 +192,7 @@ def test_a_program_whose_terminal_is_closed_ends_in_the_dark(world):
         return works(request)
 
     wire.answer = answer
-    command = f"{sys.executable} -m cmtof.cli scan rig.yml --size 2 -o m.nc"
+    command = f"{sys.executable} -m cmtof scan rig.yml --size 2 -o m.nc"
     with subprocess.Popen(command.split(), stderr=-1) as scan:
         scan.communicate(timeout=60)
     assert scan.returncode == 128 + signal.SIGHUP

@@ -13,6 +13,7 @@ import tty
 from contextlib import suppress
 from dataclasses import asdict, replace
 from functools import partial
+from io import BufferedReader
 from pathlib import Path
 from types import SimpleNamespace
 
@@ -36,11 +37,6 @@ def with_device(rig, role, **changes):
     """The rig with other settings of a device."""
     changed = {role: replace(rig.devices[role], **changes)}
     return replace(rig, devices=rig.devices | changed)
-
-
-def line(requests):
-    """The next line of text."""
-    return requests.readline()
 
 
 def message(requests):
@@ -71,7 +67,7 @@ def in_background(act, *arguments):
 class Terminal:
     """A pseudo-terminal whose far end answers."""
 
-    def __init__(self, model, read=line):
+    def __init__(self, model, read=BufferedReader.readline):
         self.wire = Wire(model)
         near, far = os.openpty()
         tty.setraw(far)
@@ -95,7 +91,7 @@ class Server:
 
     form = "{}:{}"
 
-    def __init__(self, model, read=line, port=0):
+    def __init__(self, model, read=BufferedReader.readline, port=0):
         self.wire = Wire(model)
         self._read = read
         self._server = socketserver.ThreadingTCPServer(

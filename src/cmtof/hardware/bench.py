@@ -1,5 +1,6 @@
 """The bench: devices of a rig by role, and the steps of a scan with checks."""
 
+import sys
 from collections.abc import Callable, Iterable, Sequence
 from concurrent.futures import ThreadPoolExecutor
 from itertools import repeat
@@ -91,8 +92,8 @@ class Bench(EmergencyStop):
     def ask(self, text: str) -> None:
         """Wait until a person presses Enter, while the watchdogs are kept from expiring.
 
-        All goes dark if the interlock opens or a device fails meanwhile; after Enter that is
-        raised.
+        All goes dark if the interlock opens or a device fails meanwhile; that is printed, and
+        raised after Enter.
         """
         answered = Event()
         with ThreadPoolExecutor(1) as pool:
@@ -110,8 +111,9 @@ class Bench(EmergencyStop):
                 self.check_interlock()  # any request feeds the read-out's watchdog
                 for rf in self.rf:
                     rf.status()
-        except OSError:
+        except OSError as failure:
             self._make_safe()
+            print(f"{failure} All is dark. Press Enter.", file=sys.stderr)
             raise
 
     def check_interlock(self) -> None:

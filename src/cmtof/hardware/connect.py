@@ -7,7 +7,7 @@ from pathlib import Path
 from typing import Any, TextIO
 
 from cmtof.hardware.bench import Bench
-from cmtof.hardware.device import ConnectionLost, Refused, insist
+from cmtof.hardware.device import ConnectionLost, Device, Refused, insist
 from cmtof.hardware.log import Logged
 from cmtof.hardware.modbus import Feedback
 from cmtof.hardware.rig import LIGHT, Rig
@@ -32,26 +32,34 @@ def connected_bench(rig: Rig, log: Path | None = None) -> Iterator[Bench]:
         def reach(role: str) -> None:
             device = connected_driver(rig, role, text)
             devices[role] = reached.enter_context(closing(device))
-            try:
+            if role in DARK_FIRST:
+                make_safe(device)
+            else:
                 device.identify()
-            except Refused:  # somebody else's
-                del devices[role]
-                raise
-            device.safe_state()
+                device.safe_state()
 
-        try:
-            insist(*(partial(reach, role) for role in DARK_FIRST), tries=1)
-        except OSError:
-            # what tells no name may yet be lit, and hear more than it can say
-            with EmergencyStop(devices.values()):
-                raise
+        insist(*(partial(reach, role) for role in DARK_FIRST), tries=1)
         for role in rig.devices:
-            if role not in DARK_FIRST:
+            if role not in devices:
                 reach(role)
         with Bench(
             rig, devices, source="instrument", group_index=rig.group_index
         ) as bench:
             yield bench
+
+
+def make_safe(device: Device) -> None:
+    """Bring a device into its safe state, if it is the rig's or does not tell.
+
+    What tells no name may yet be lit, and hear more than it can say.
+    """
+    stopped = [device]
+    with EmergencyStop(stopped):
+        try:
+            device.identify()
+        except Refused:  # somebody else's
+            stopped.clear()
+            raise
 
 
 def connected_driver(rig: Rig, role: str, log: TextIO | None = None) -> Any:
@@ -98,7 +106,6 @@ def read_out(rig: Rig, connection: Any, **named: str) -> Any:
         daq.stream = rf.open_serial(stream, rig.devices["daq"].timeout)
     except ConnectionLost:
         with closing(connection):
-            daq.identify()
-            daq.safe_state()
+            make_safe(daq)
         raise
     return daq

@@ -161,6 +161,10 @@ class Rig:
                 f"Expected bursts of at most 1 s, got {self.scans} samples at {self.rate:g} Hz. "
                 "Raise the rate or take fewer."
             )
+        if not all(self.mirror_volts_per_degree):
+            raise ValueError(
+                "Expected mirror_volts_per_degree other than 0, got 0. Measure it."
+            )
         if self.settle_samples >= self.samples_per_phase:
             raise ValueError(
                 "Expected settle_samples below samples_per_phase, "

@@ -4,7 +4,7 @@ import atexit
 import signal
 import sys
 import threading
-from collections.abc import Iterable
+from collections.abc import Collection
 from concurrent.futures import ThreadPoolExecutor
 from time import monotonic
 from typing import Any, Self
@@ -35,8 +35,8 @@ class EmergencyStop:
     Against SIGKILL the devices have watchdogs of their own.
     """
 
-    def __init__(self, devices: Iterable[Any]) -> None:
-        self._devices = list(devices)
+    def __init__(self, devices: Collection[Any]) -> None:
+        self._devices = devices
         self._previous = {}
         self._signalled = -PAUSE
 
