@@ -17,7 +17,7 @@ def test_a_command_runs_uncached_and_says_so_once(
     # as in a read-only installation of a user without a home: no place but NUMBA_CACHE_DIR is tried
     monkeypatch.setenv("NUMBA_CACHE_LOCATOR_CLASSES", "UserProvidedCacheLocator")
     monkeypatch.setenv("NUMBA_CACHE_DIR", "")
-    line = f"-m cmtof.cli unwrap {measurement_file} -o out.nc --method mrf"
+    line = f"-m cmtof unwrap {measurement_file} -o out.nc --method mrf"
     done = subprocess.run(
         [sys.executable, *line.split()], stderr=subprocess.PIPE, check=True
     )

@@ -58,6 +58,6 @@ def test_a_mistake_fails_the_test_that_names_it(name, source):
 @mark.parametrize("name", ["sign of psi", "Poisson without gain"])
 def test_a_mistake_in_the_chain_fails_replicate(name, source, tmp_path):
     make(source, **MISTAKES[name])
-    done = run_with(source, f"-m cmtof.cli replicate -o {tmp_path}/fig10.png")
+    done = run_with(source, f"-m cmtof replicate -o {tmp_path}/fig10.png")
     assert done.returncode == 1
     assert "FAIL  " in done.stdout

@@ -9,9 +9,7 @@ import numpy as np
 from pytest import fixture, mark
 
 NAME = "[red]x.nc"
-COMMAND = (
-    f"{sys.executable} -m cmtof.cli unwrap {NAME} -o out.nc --method middle".split()
-)
+COMMAND = f"{sys.executable} -m cmtof unwrap {NAME} -o out.nc --method middle".split()
 
 
 @fixture(autouse=True)

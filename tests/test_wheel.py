@@ -46,7 +46,7 @@ class Environment(NamedTuple):
 
     def cmtof(self, line, code=0):
         """Run a command line."""
-        return self.run("-m", "cmtof.cli", *line.split(), code=code)
+        return self.run("-m", "cmtof", *line.split(), code=code)
 
 
 def link(found, site):

@@ -73,6 +73,16 @@ def escape_controls(text: object) -> str:
     )
 
 
+def say(text: object) -> None:
+    """Print text with its control characters escaped."""
+    print(escape_controls(text), flush=True)
+
+
+def complain(text: object) -> None:
+    """Print a line of the command on stderr, with its control characters escaped."""
+    print(f"cmtof: {escape_controls(text)}", file=sys.stderr)
+
+
 def error_line(error: Exception) -> str:
     """One-line message for an error; called a defect unless its kind or wording is foreseen."""
     if isinstance(error, OSError) and error.strerror:

@@ -12,7 +12,7 @@ from typer import Typer
 
 from cmtof.cli import depths, learning, measuring
 from cmtof.cli.options import as_command
-from cmtof.terminal import error_line, escape_controls, prepare_streams
+from cmtof.terminal import complain, error_line, prepare_streams
 
 app = Typer(
     name="cmtof",
@@ -52,12 +52,10 @@ def main(arguments: list[str] | None = None) -> None:
             warnings.filterwarnings(
                 "default", ".* is (untrained|left out)|.*NUMBA_CACHE_DIR", UserWarning
             )
-            warnings.showwarning = lambda text, *_: print(
-                f"cmtof: {text}", file=sys.stderr
-            )
+            warnings.showwarning = lambda text, *_: complain(text)
             app(args=[word for word in words if word != "--debug"])
     except Exception as error:
         if "--debug" in words:
             raise
-        print(f"cmtof: {escape_controls(error_line(error))}", file=sys.stderr)
+        complain(error_line(error))
         sys.exit(1)

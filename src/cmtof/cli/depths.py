@@ -13,7 +13,7 @@ from cmtof.cli.options import (
     Options,
 )
 from cmtof.files import atomic_output, check_output
-from cmtof.terminal import error_line, escape_controls, print_table, progress
+from cmtof.terminal import complain, error_line, print_table, progress, say
 
 if TYPE_CHECKING:
     from cmtof.types import Fields, Texts, Values
@@ -84,8 +84,7 @@ def _unwrap_each(
         except (OSError, ValueError) as error:
             if len(files) == 1:
                 raise
-            line = f"cmtof: left out {path.name}. {error_line(error)}"
-            print(escape_controls(line), file=sys.stderr)
+            complain(f"left out {path.name}. {error_line(error)}")
     return rows
 
 
@@ -104,12 +103,10 @@ def _unwrap_one(
     from cmtof.unwrapping import unwrap_file
 
     tally = Tally()
-    valid = 0
-    size = 0
+    valid = 0.0
     for share, opened, result in unwrap_file(path, target, **how):
         kept = result.depth.notnull().to_numpy()
-        valid += int(kept.sum())
-        size += kept.size
+        valid += share * kept.mean()
         if opened.depth is not None and np.isfinite(opened.depth[kept]).any():
             tally.add(scored_pixels(result, opened))
         if ply is not None:
@@ -120,9 +117,9 @@ def _unwrap_one(
                 brightness=opened.amplitude[0],
                 confidence=result.confidence,
             )
-            print(f"{ply}: {points} points")
+            say(f"{ply}: {points} points")
         advance(path.name, share)
-    row = {"file": path.name, "valid": f"{valid / size:.1%}"}
+    row = {"file": path.name, "valid": f"{valid:.1%}"}
     return row | _rates(tally.score()) if tally.frames else row
 
 
@@ -170,10 +167,7 @@ def _print_missing(missing: Mapping[str, Exception]) -> None:
     for name, error in missing.items():
         methods_by_line.setdefault(error_line(error), []).append(name)
     for line, names in methods_by_line.items():
-        print(
-            escape_controls(f"cmtof: left out {', '.join(names)}. {line}"),
-            file=sys.stderr,
-        )
+        complain(f"left out {', '.join(names)}. {line}")
 
 
 def _report_scores(report: "Fields", json_file: File) -> None:
@@ -195,7 +189,7 @@ def _report_scores(report: "Fields", json_file: File) -> None:
     ]
     print_table(title, rows)
     for name, remark in report["notes"].items():
-        print(escape_controls(f"{name}: {remark}"))
+        say(f"{name}: {remark}")
 
 
 def _rates(scores: "Values") -> "Texts":
@@ -266,9 +260,9 @@ def replicate(
     output.parent.mkdir(parents=True, exist_ok=True)
     failed = 0
     for outcome in outcomes(output):
-        print(outcome, flush=True)
+        say(outcome)
         failed += not outcome.passed
-    print(f"{output}: Fig. 10, {'drawn' if output.is_file() else 'needs cmtof[plot]'}")
+    say(f"{output}: Fig. 10, {'drawn' if output.is_file() else 'needs cmtof[plot]'}")
     if failed:
         raise ValueError(
             f"Expected every line to pass, got {failed} FAIL. Compare versions (cmtof info)."

@@ -4,7 +4,7 @@ from pathlib import Path
 from typing import Any
 
 from cmtof.cli.options import File, Options
-from cmtof.terminal import delay_interrupts, progress, progress_is_hidden
+from cmtof.terminal import delay_interrupts, progress, progress_is_hidden, say
 
 
 def render(
@@ -26,7 +26,7 @@ def render(
 
     height, width = shape_from_text(rooms.pop("size"))
     rendered = _render_set(output, quiet, workers, height=height, width=width, **rooms)
-    print(
+    say(
         f"{output}: {rooms['scenes']} rooms, {rooms['views']} views each; "
         f"{rendered} views rendered"
     )
@@ -82,4 +82,4 @@ def train(
         find_tree=find_tree,
         **leg,
     )
-    print(written or f"{folder}: stopped before its last step; --resume goes on")
+    say(written or f"{folder}: stopped before its last step; --resume goes on")

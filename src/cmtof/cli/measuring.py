@@ -14,7 +14,7 @@ from cmtof.cli.options import (
     File,
     Options,
 )
-from cmtof.terminal import escape_controls, print_table, progress
+from cmtof.terminal import complain, print_table, progress, say
 
 if TYPE_CHECKING:
     from cmtof.hardware.rig import Rig
@@ -40,9 +40,9 @@ def simulate(
     loaded = load_frame(frame, **reading)
     measurement = simulate_frame(loaded, frequencies=tones, **conditions)
     measurement.save(output)
-    print(f"{output}: {measurement}, {measurement.mask.mean():.1%} of pixels scored")
+    say(f"{output}: {measurement}, {measurement.mask.mean():.1%} of pixels scored")
     if loaded.note:
-        print(escape_controls(f"{loaded.name}: {loaded.note}"))
+        say(f"{loaded.name}: {loaded.note}")
 
 
 def scan(
@@ -85,12 +85,9 @@ def scan(
                 report=lambda line: advance(f"{line.mode}: {line.kind}"),
             )
     except (KeyboardInterrupt, SystemExit):
-        print(
-            f"cmtof: stopped; {journal_path(output)} goes on with --resume",
-            file=sys.stderr,
-        )
+        complain(f"stopped; {journal_path(output)} goes on with --resume")
         raise
-    print(f"{output}: {measurement}, {measurement.mask.mean():.1%} of pixels valid")
+    say(f"{output}: {measurement}, {measurement.mask.mean():.1%} of pixels valid")
 
 
 def _opener(
@@ -148,7 +145,7 @@ def info(
         path = embedded_frames().get(str(file), file)
         if path.suffix == ".npz":
             for name, kind in list_npz(path).items():
-                print(escape_controls(f"{name} {kind}"))
+                say(f"{name} {kind}")
             return
         text = StringIO()
         if path.suffix == ".nc":
@@ -166,7 +163,7 @@ def info(
                     print(odds.round(3))
         else:
             open_measurement(path).dataset.info(text)
-        print(escape_controls(text.getvalue()))
+        say(text.getvalue())
         return
     print(
         f"cmtof {__version__}, Python {sys.version.split()[0]}, {os.cpu_count()} processors"
