@@ -164,7 +164,7 @@ def test_pairs_of_a_folder_are_read_in_the_order_of_their_numbers(tmp_path):
     assert np.argwhere(np.isnan(listed[0].load().depth)).tolist() == [[0, 0]]
 
 
-def test_scannet_tells_its_camera(own_folder):
+def test_scannet_tells_its_camera():
     write("depth/0.png", LEVELS)
     write("color/0.png", LIGHT)
     matrix = Path("intrinsic/intrinsic_depth.txt")

@@ -168,7 +168,8 @@ def _with_valid_values(data: Dataset) -> Dataset:
                     f"finite {name}",
                     "Mask those pixels.",
                 )
-            samples = wrapped(samples) if name == "phase" else samples
+            if name == "phase":
+                samples = wrapped(samples)
             data[name] = (variable.dims, samples, variable.attrs)
     if "raw_counts" in data:
         _raise_if_any(

@@ -4,6 +4,7 @@ import hashlib
 import json
 from collections.abc import Iterable, Iterator, Mapping, Sequence
 from copy import deepcopy
+from functools import partial
 from pathlib import Path
 from time import perf_counter
 from typing import Any
@@ -148,13 +149,10 @@ def measure_frame(
     `cmtof.simulation.simulate`; the noise is drawn from (seed, number).
     """
     tones = {name: find_method(name).tones for name in methods}
-    measurements = {(): simulate(frame, frame_number=number, **conditions)}
+    simulated = partial(simulate, frame, frame_number=number, **conditions)
+    measurements = {(): simulated()}
     for other in set(tones.values()) - {()}:
-        found = simulate(
-            frame,
-            frame_number=number,
-            **conditions | {"frequencies": other},  # pyright: ignore[reportArgumentType]
-        )
+        found = simulated(frequencies=other)
         scored = (("y", "x"), found.mask & measurements[()].mask)
         measurements[other] = Measurement(found.dataset.assign(mask=scored))  # pyright: ignore[reportArgumentType]
     for measurement in measurements.values():

@@ -60,8 +60,7 @@ def local_phase_noise(phase: ArrayLike, *, window: int = 5) -> Array:
     """
     flat = np.angle(_windows_without_slope(phase, window, beyond=np.nan))
     residual = flat.reshape(*flat.shape[:2], -1) @ _residual_matrix(window)
-    square = np.vecdot(residual, residual)
-    return np.sqrt(square / (window**2 - 6))
+    return np.sqrt(np.vecdot(residual, residual) / (window**2 - 6))
 
 
 def local_residual(phase: ArrayLike, *, window: int = 9) -> Array:
@@ -272,5 +271,4 @@ def intensity_from_phase_noise(phase_noise: float, sigma: ArrayLike) -> Array:
     """
     square = 2 * (linear_from_spread(phase_noise) / np.pi) ** 2
     root = np.sqrt(0.25 + 4 * square * np.square(sigma))
-    signal = (0.5 + root) / (2 * square)
-    return signal / FULL_SIGNAL
+    return (0.5 + root) / (2 * square) / FULL_SIGNAL

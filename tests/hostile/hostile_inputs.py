@@ -52,12 +52,13 @@ def perhaps_damaged(rng, data, share):
     return damaged(rng, data) if rng.random() < share else data
 
 
+TYPES = "U3 S2 c16 M8[s] m8[s] V4 i1,f4 ? f2 u8 f8 O"
+
+
 def strange_array(rng):
     """An array of a kind or shape that no frame has."""
     shape = rng.choice([(), (0,), (3,), (4, 5), (1, 1), (2, 3, 4), (0, 7)])
-    kind = rng.choice(
-        ["U3", "S2", "c16", "M8[s]", "m8[s]", "V4", "i1,f4", "?", "f2", "u8", "f8", "O"]
-    )
+    kind = rng.choice(TYPES.split())
     if kind not in ("f2", "f8"):
         return np.zeros(shape, kind)
     values = rng.choices([np.nan, np.inf, -1.0, 0.0, 1e300, 1.0], k=math.prod(shape))
@@ -162,6 +163,15 @@ def foreign(rng, data):
 
 METHODS = """surfaces beat crt crt-ml kde mrf mrf-graphcut middle region spatial mode
 fast-scnn-light phasor"""
+OUTPUTS = """\
+-o out.nc
+-o out.nc
+-o out.nc
+-o out.nc
+-o out.nc --tile 4
+-o out.nc --tile 4
+-o m.nc
+-o out.nc --ply out.ply"""
 
 
 def measurement(rng):
@@ -171,17 +181,16 @@ def measurement(rng):
         writers = [netcdf] * 4 + [plain_arrays]
     else:
         data = foreign(rng, whole_measurement())
-        writers = [netcdf] * 4 + [netcdf_3, plain_hdf5]
-        writers += [partial(reaching_out, rng)] * 2
+        reaching = partial(reaching_out, rng)
+        writers = [*[netcdf] * 4, netcdf_3, plain_hdf5, reaching, reaching]
     write = rng.choice(writers)
     name = "m.npz" if write is plain_arrays else "m.nc"
     files = {name: perhaps_damaged(rng, write(data), 0.4), "pipe.nc": None}
     if rng.random() < 0.15:
         return files, ["info", name]
     method = rng.choice(METHODS.split())
-    outputs = ["-o out.nc"] * 4 + ["-o out.nc --tile 4"] * 2
-    outputs += ["-o m.nc", "-o out.nc --ply out.ply"]
-    return files, f"unwrap {name} --method {method} {rng.choice(outputs)}".split()
+    output = rng.choice(OUTPUTS.splitlines())
+    return files, f"unwrap {name} --method {method} {output}".split()
 
 
 def pictures(rng):
@@ -272,7 +281,7 @@ def journal(rng):
         content = rng.choice([b"[" * 5000, *[content] * 19])
         lines[number] = b"%08x %s\n" % (zlib.crc32(content), content)
         data = b"".join(lines + lines[1:] * rng.randrange(2))
-    resume = rng.choice(["", *["--resume"] * 9])
+    resume = "--resume" * (rng.random() < 0.9)
     return {"out.nc.journal": data}, f"scan --twin --size 2 -o out.nc {resume}".split()
 
 
@@ -326,14 +335,13 @@ train miniature --data VALUE -o run
 train miniature --seed VALUE --data none -o run
 info VALUE
 info pipe.nc"""
-NUMBERS = f"nan inf -1 0 1e300 {'9' * 400} 1000000001 x 1e-320 {10**23} {2**63}"
+VALUES = f"nan inf -1 0 1e300 {'9' * 400} 1000000001 x 1e-320 {10**23} {2**63}"
+VALUES += " pipe.yml /dev/zero /dev/null / �"
 
 
 def options(rng):
     """A command line with extreme options, or with files that are no regular ones."""
-    value = rng.choice(
-        [*NUMBERS.split(), "", *["pipe.yml", "/dev/zero", "/dev/null", "/", "�"]]
-    )
+    value = rng.choice([*VALUES.split(), ""])
     command = rng.choice(COMMANDS.splitlines()).split()
     files = {"pipe.yml": None, "pipe.nc": None, "m.nc": netcdf(whole_measurement())}
     return files, [word.replace("VALUE", value) for word in command]
