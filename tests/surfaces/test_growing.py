@@ -55,7 +55,7 @@ def plane_about(field, y, x):
     top = y - 8
     left = x - 8
     slopes = spectral_slopes(field, *np.array([[top + 2], [left + 2]]), 12, 4)
-    told = field.information[:, top : top + 16, left : left + 16].sum()
+    told = field.information[:, top : top + 16, left : left + 16].sum(dtype=float)
     q, likely = plane_in_window(field, (top, left, 16, *slopes[:, 0]), told)
     return q, likely / told
 
