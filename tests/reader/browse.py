@@ -30,6 +30,7 @@ PROBE = """async () => {
     overflow: document.documentElement.scrollWidth - document.documentElement.clientWidth,
     lead: (document.querySelector('.cell figure') ?? document.body).getBoundingClientRect().top,
     code: wide('article .cell_input pre'), equations: wide('article div.math'),
+    tables: wide('article :is(.pst-scrollable-table-container, .cell_output .output):has(table)'),
     text: document.body.innerText,
   };
 }"""
@@ -85,7 +86,7 @@ def faults(state, width):
     if state["overflow"] > 0:
         yield f"wider than the screen by {state['overflow']} px"
     if width == WIDTHS["desk"]:
-        wide = [kind for kind in ("code", "equations") if state[kind]]
+        wide = [kind for kind in ("code", "equations", "tables") if state[kind]]
         yield from (f"{state[kind]} {kind} wider than the column" for kind in wide)
         if state["lead"] > 600:  # of 900 px
             yield f"the first figure begins at {state['lead']:.0f} px, not within the first screen"
