@@ -154,7 +154,7 @@ def test_options_of_images_are_refused_beside_archives(place, options):
 
 
 def test_pairs_of_a_folder_are_read_in_the_order_of_their_numbers(tmp_path):
-    depth = LEVELS
+    depth = LEVELS.copy()
     depth[0, 0] = 0
     for name in ("2.png", "10.png"):
         write(f"depth/{name}", depth)

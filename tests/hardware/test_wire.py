@@ -177,7 +177,7 @@ def test_all_goes_dark_when_the_interlock_opens_while_a_person_is_asked(
         bench.switch("laser", True)
         bench.ask("Enter? ")
     assert (
-        "got it open. Close doors and covers. All is dark." in capsys.readouterr().err
+        "got it open. Close doors and covers. Press Enter." in capsys.readouterr().err
     )
 
 

@@ -113,7 +113,7 @@ class Bench(EmergencyStop):
                     rf.status()
         except OSError as failure:
             self._make_safe()
-            print(f"{failure} All is dark. Press Enter.", file=sys.stderr)
+            print(f"{failure} Press Enter.", file=sys.stderr)
             raise
 
     def check_interlock(self) -> None:

@@ -49,7 +49,7 @@ def connected_bench(rig: Rig, log: Path | None = None) -> Iterator[Bench]:
 
 
 def make_safe(device: Device) -> None:
-    """Bring a device into its safe state, if it is the rig's or does not tell.
+    """Bring a device into its safe state, unless it says that it is another one.
 
     What tells no name may yet be lit, and hear more than it can say.
     """

@@ -28,6 +28,8 @@ def _stop_device(device: Any) -> str:
 class EmergencyStop:
     """Context that brings devices into their safe states however it ends, also by a signal.
 
+    The devices are those that the collection holds at the end.
+
     All devices are stopped at the same time, each in a thread of its own: one that does not answer
     delays no other. A signal raises in the main thread, so that no request is sent into the middle
     of another, and the stop runs while the context is left; signals that come then are ignored. If

@@ -126,9 +126,9 @@ def dead_leaves(rng: Generator, side: int, protocol: str) -> Crop:
 def _rotate(pixels: Array, rng: Generator) -> Array:
     """Coordinates (2, H, W), x and y, along and beside a random direction."""
     angle = rng.uniform(0, TAU)
-    along = np.cos(angle)
-    beside = np.sin(angle)
-    return np.tensordot([[along, beside], [-beside, along]], pixels, 1)
+    cosine = np.cos(angle)
+    sine = np.sin(angle)
+    return np.tensordot([[cosine, sine], [-sine, cosine]], pixels, 1)
 
 
 def _plate_depth(rng: Generator, away: Array, size: float, protocol: str) -> Array:
