@@ -101,10 +101,12 @@ def check_output(path: AnyPath, suffix: str = "") -> Path:
     try:
         probe.touch()
         probe.unlink()
+        if target.exists():  # a temporary file has its permissions
+            target.open("ab").close()
     except OSError as error:
         raise PermissionError(
-            f"Expected a folder that can be written to, got {target.parent} ({error.strerror}). "
-            "Choose another folder."
+            f"Expected a place that can be written to, got {target} ({error.strerror}). "
+            "Choose another."
         ) from error
     return target
 

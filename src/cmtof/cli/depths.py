@@ -8,10 +8,7 @@ from collections.abc import Callable, Mapping
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from cmtof.cli.options import (
-    File,
-    Options,
-)
+from cmtof.cli.options import File, Options
 from cmtof.files import atomic_output, check_output
 from cmtof.terminal import complain, error_line, print_table, progress, say
 
@@ -50,8 +47,8 @@ def unwrap(
     options = {name: value for name, value in choice.items() if value is not None}
     if choice["covered"]:
         options["covered"] = open_measurement(choice["covered"])
-    if several:
-        output.mkdir(exist_ok=True)
+    if several and not output.exists():
+        output.mkdir()
     for target in files.values():
         check_output(target, ".nc")
     with progress(len(files), quiet or whole_file) as advance:
