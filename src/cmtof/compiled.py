@@ -52,7 +52,7 @@ def _say_compiling() -> None:
     """Tell who waits at a terminal or in Jupyter that loops are compiled, once per process."""
     waits = sys.stderr and (sys.stderr.isatty() or "ipykernel" in sys.modules)
     if waits and not os.environ.get("CI"):
-        print("Compiling loops, once: up to two minutes ...", file=sys.stderr)
+        print("Compiling loops, once: about a minute ...", file=sys.stderr)
 
 
 @cache

@@ -53,8 +53,7 @@ def box_hits(rays):
     turned = Rotation.from_euler("y", _TURN).apply(rays)
     near, far = np.sort(np.array(_BOX)[:, None] / turned, axis=0)
     enter = near.max(1)
-    leave = far.min(1)
-    hit = (enter > 0) & (enter < leave)
+    hit = (enter > 0) & (enter < far.min(1))
     return np.where(hit, enter, np.inf), near.argmax(1)
 
 
@@ -74,8 +73,7 @@ def painted(part):
     rows, columns = np.indices(part.shape)
     pattern = np.sin(0.31 * columns + 0.17 * rows)
     pattern *= np.cos(0.23 * rows)
-    light = np.array(_PAINT)[part] * (0.8 + 0.2 * pattern)
-    return light.clip(0.3, 1)
+    return (np.array(_PAINT)[part] * (0.8 + 0.2 * pattern)).clip(0.3, 1)
 
 
 def plane_depth(normal=TILTED, z=2.5, shape=SHAPE, camera=CAMERA):

@@ -85,20 +85,20 @@ def test_information_is_that_of_the_derivatives(steep):
     matrix = np.einsum(
         "iyx,fyx,f,jyx", slopes, field.information, field.wavenumber**2, slopes
     )
-    assert_allclose(found, np.tril(matrix), rtol=1e-5, atol=1e-3)
+    assert_allclose(found[:6, :6], np.tril(matrix), rtol=1e-5, atol=1e-3)
 
 
 def test_the_gradient_is_that_of_the_likelihood(steep, rng):
     q, field = steep
     q += rng.normal(0, 1e-4, BENT)
-    _, gradient, _, found = fitting._moments(field, WHOLE, q)
+    _, gradient, found = fitting._moments(field, WHOLE, q)
     rises = [
         likelihood(field, q + step) - likelihood(field, q - step)
         for step in 1e-6 * np.eye(BENT)
     ]
     slope = np.array(rises) / 2e-6
     noise = np.sqrt(np.diag(found))
-    assert (abs(gradient - slope) < 1e-4 * abs(slope) + 1e-3 * noise).all()
+    assert_allclose(gradient[:6], slope, rtol=1e-4, atol=1e-3 * noise[:6])
 
 
 def misses(field, q, depth):
@@ -123,7 +123,7 @@ def test_fits_hop_over_whole_wraps(wraps):
     depth, q = plane(NORMALS[1])
     field = field_of(depth)
     start, _ = move_surface(field, q, BOXES, PLANE, wraps * WRAP)
-    assert np.mean(depth_of(field, start) - depth) == approx(wraps * WRAP, rel=0.02)
+    assert (depth_of(field, start) - depth).mean() == approx(wraps * WRAP, rel=0.02)
     assert misses(field, refine(field, WHOLE, start, PLANE, 8).q, depth)[0] < 1e-6
 
 

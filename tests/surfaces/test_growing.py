@@ -71,4 +71,4 @@ def test_the_corner_has_a_surface_for_each_of_its_parts():
         own = owner[pure & (number == one)]
         counts = np.bincount(own[own >= 0])
         assert counts.max() > 0.7 * own.size
-        assert np.mean(number[pure & (owner == counts.argmax())] != one) < 0.05
+        assert (number[pure & (owner == counts.argmax())] != one).mean() < 0.05

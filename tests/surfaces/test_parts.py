@@ -25,5 +25,5 @@ def test_surfaces_are_cut_where_that_explains_more(rng, inner, wraps, count):
     field = exact_field(depth + wraps * WRAP * RIGHT, information=200.0, noise_of=rng)
     main, surfaces = cut_surfaces(field, inner, q[None], gain=15.0)
     assert len(surfaces) == count
-    same = np.mean((main > 0) == RIGHT[::CELL])
+    same = ((main > 0) == RIGHT[::CELL]).mean()
     assert (max(same, 1 - same) > 0.97) == (count > 1)

@@ -134,6 +134,6 @@ def test_pixels_take_the_likeliest_surface():
     owner = np.zeros(CELLS, np.int64)
     owner[:, 10:] = 1
     label, share, inner = placing.pixel_labels(field, owner, surfaces)
-    assert np.mean(label == SIDES) > 0.97
+    assert (label == SIDES).mean() > 0.97
     assert share.max() == approx(1, abs=0.05)
     assert (inner[:, 78:84] == -1).all()

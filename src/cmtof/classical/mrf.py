@@ -24,7 +24,7 @@ from cmtof.classical.beat import (
     steps,
     synthetic_frequency,
 )
-from cmtof.compiled import njit
+from cmtof.compiled import inlined, njit
 from cmtof.correlation import TAU, depth_from_wraps, wrapped
 from cmtof.estimate import Estimate, quotient, within_range, wraps_in_range
 from cmtof.measurement import Measurement
@@ -104,7 +104,7 @@ def wrap_field(measurement: Measurement) -> RandomField:
     first, last = wraps_in_range(measurement)
     share = synthetic.frequency / low
     beat = _pool_beat(_sharpness(abs(smooth), noise), beat, share * slope)
-    beat = beat * np.exp(-1j * share * (mean_phase + TAU * first))
+    beat *= np.exp(-1j * share * (mean_phase + TAU * first))
     angles = TAU * share * np.arange(last - first + 1)
     return RandomField(
         mean_phase.astype(np.float32),
@@ -117,7 +117,7 @@ def wrap_field(measurement: Measurement) -> RandomField:
 def _sharpness(size: Array, noise: Array) -> Array:
     """Weight kappa (H, W) of a beat by amplitudes (2, H, W) of its phasors and their noise (2,)."""
     # neighbours share what smoothing gained, so each gets the variance of a single pixel
-    variance = np.sum(quotient(noise[:, None, None], size, np.inf) ** 2, axis=0)
+    variance = (quotient(noise[:, None, None], size, np.inf) ** 2).sum(axis=0)
     return 1 / np.maximum(variance, 1 / _SHARPEST)
 
 
@@ -138,8 +138,7 @@ def _pool_beat(kappa: Array, beat: Array, slope: Array) -> Complex:
     total = np.maximum(mean(kappa), np.finfo(float).tiny)
     off = np.zeros_like(kappa)
     for steepness, place in zip(slope, np.indices(kappa.shape), strict=True):
-        centre = mean(kappa * place) / total
-        off += steepness * (centre - place)
+        off += steepness * (mean(kappa * place) / total - place)
     return mean(kappa * np.exp(1j * beat)) * np.exp(-1j * off)  # pyright: ignore[reportReturnType]
 
 
@@ -165,8 +164,7 @@ def _coherent_mean(
     side = 2 * radius + 1
     total = np.zeros_like(phasors)
     for v, u in np.ndindex(side, side):
-        turn = down ** (v - radius) * right ** (u - radius)
-        total += moved[:, v, u] * turn
+        total += moved[:, v, u] * (down ** (v - radius) * right ** (u - radius))
     return total / side**2
 
 
@@ -187,8 +185,7 @@ def semi_global_labels(field: RandomField) -> tuple[Numbers, Single]:
     odds = np.empty_like(field.phase)
     for y, beat in enumerate(field.beat[..., None]):
         # each path counts the pixel's own cost, which counts once
-        own = beat.real * cosine + beat.imag * sine
-        cost = total[y] + 7 * own
+        cost = total[y] + 7 * (beat.real * cosine + beat.imag * sine)
         labels[y] = cost.argmin(axis=1)
         odds[y] = 1 / np.exp(
             (cost.min(axis=1, keepdims=True) - cost) / _TEMPERATURE
@@ -219,12 +216,14 @@ def _add_path(beat, phase, waves, down, right, total):  # pragma: no cover - com
         total[y, x] += here
 
 
-@njit()
+@inlined
 def _least_cost(before, fall, buffers):  # pragma: no cover - compiled
     """Min over m of ``before(m) - least + min(JUMP |n - m|, MOST)``, moved as the phase falls."""
     wide, spare = buffers
-    wide[3:-3] = np.minimum(before - before.min(), MOST)
     wide[2] = wide[-3] = MOST
+    least = before.min()
+    for n in range(before.size):
+        wide[3 + n] = min(before[n] - least, MOST)
     # cones of 1 and 2 steps make up one of 3; 4 cost more than MOST
     for reach in (1, 2):
         rise = np.float32(reach * JUMP)
@@ -241,9 +240,8 @@ def _least_cost(before, fall, buffers):  # pragma: no cover - compiled
 
 def energy(field: RandomField, labels: Numbers) -> float:
     """Energy of labels (H, W): their own costs, and the convex prior on steps to neighbours."""
-    own = field.unary(labels).sum(dtype=float)
     pairs = sum(abs(_steps(field, labels, axis)).sum() for axis in (0, 1))
-    return float(own + JUMP * pairs)
+    return float(field.unary(labels).sum(dtype=float) + JUMP * pairs)
 
 
 def best_move(field: RandomField, labels: Numbers, step: int) -> Flags:

@@ -39,7 +39,7 @@ def pooled_beats(field: Field, cells: Cells) -> Beats:
         turned[1] *= np.exp(turn * np.append(beat, 0)[cells.label])
         sums = sum_cells(turned, cells.side)
         left, noise, coherence = _beats(field, cells._replace(turned=turned, sums=sums))
-        beat = beat + left
+        beat += left
     return beat, noise, coherence
 
 

@@ -45,19 +45,22 @@ def blocks_of_boxes(boxes):  # pragma: no cover - compiled
 
 @njit()
 def depths_of_blocks(field, q, places):  # pragma: no cover - compiled
-    """Depth (N,), m, of a surface mid-block, and functions (6, N), of which q makes 1 / z there.
+    """Depth (N,), m, of a surface mid-block, and functions (N, 6), of which q makes 1 / z there.
 
     They are the cosine times u, v, 1, u^2, u v, v^2.
     """
-    y, x = places.T
-    v = (field.v[y] + field.v[y + SIDE - 1]) / 2
-    u = (field.u[x] + field.u[x + SIDE - 1]) / 2
-    functions = np.stack((u, v, np.ones(u.size), u * u, u * v, v * v))
-    functions /= np.sqrt(1 + u * u + v * v)
-    inverse = np.zeros(u.size)
-    for i in range(BENT):
-        inverse += q[i] * functions[i]
-    return 1 / np.maximum(inverse, FARTHEST), functions
+    depth = np.empty(len(places))
+    functions = np.empty((len(places), BENT))
+    for n, (y, x) in enumerate(places):
+        v = (field.v[y] + field.v[y + SIDE - 1]) / 2
+        u = (field.u[x] + field.u[x + SIDE - 1]) / 2
+        slant = np.sqrt(1 + u * u + v * v)
+        inverse = 0.0
+        for i, term in enumerate((u, v, 1.0, u * u, u * v, v * v)):
+            functions[n, i] = term / slant
+            inverse += q[i] * functions[n, i]
+        depth[n] = 1 / max(inverse, FARTHEST)
+    return depth, functions
 
 
 @njit()
@@ -117,8 +120,8 @@ def cell_likelihood(field, q, row, column):  # pragma: no cover - compiled
     top = row * CELL
     left = column * CELL
     box = np.array(((top, top + CELL, left, left + CELL),))
-    total, _ = block_sums(field, region_of_boxes(box), q, blocks_of_boxes(box))
-    return total.real.sum()
+    sums = frequency_sums(field, q, box)
+    return sums[0, 0] + sums[0, 1]
 
 
 @njit()

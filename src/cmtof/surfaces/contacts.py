@@ -108,7 +108,9 @@ def _jumps(
     """Wraps by which the first surface is farther at border pixels, and change per px (2, C)."""
     # on this side of the border and on the other
     one, other = (
-        np.subtract(*(depth_of_pixels(field, surfaces, n, *place) for n in pairs))
+        np.subtract(
+            *(depth_of_pixels(field, surfaces, np.array([n, *place])) for n in pairs)
+        )
         for place in zip(*np.divmod(at, label.shape[1]), strict=True)
     )
     depth = depth_of_labels(field, label, surfaces)
@@ -116,17 +118,16 @@ def _jumps(
     total = sums_near(at.ravel(), turn_back(field, depth)[:1], label, _NEAR)
     here, beyond = np.angle(total).reshape(at.shape) / TAU
     jump = (one + other) / 2 / field.period + here - beyond
-    slope = abs(one - other) / field.period
-    return np.array([jump, np.minimum(slope, 1)])
+    return np.array([jump, np.minimum(abs(one - other) / field.period, 1)])
 
 
 def _evidence(step: Array, tilt: Array) -> tuple:
     """Commonest whole wraps along a border, shares of it near them, log length, median slope."""
     whole = np.unique(np.rint(step))
     off = abs(step[:, None] - whole)
-    wide = np.mean(off < _WIDE, axis=0)
+    wide = (off < _WIDE).mean(axis=0)
     best = wide.argmax()
-    close = np.mean(off[:, best] < _CLOSE)
+    close = (off[:, best] < _CLOSE).mean()
     return whole[best], wide[best], close, np.log(step.size), np.median(tilt)
 
 
@@ -160,7 +161,7 @@ def offsets_with_contacts(
     source = np.append(borders.first, borders.second)
     target = np.append(borders.second, borders.first)
     step = np.append(borders.step, -borders.step)[:, None]
-    step = step + base[source] - base[target]
+    step += base[source] - base[target]
     place = np.arange(_OFFSETS.size) - step
     share = _propagate(alone, source, target, place, np.tile(borders.odds, 2))
     share = softmax(share, axis=1)
@@ -180,8 +181,7 @@ def _own_odds(found: Offsets, limits: Array, repeat: float) -> tuple[Numbers, Ar
     """Whole wraps (N, 1) nearest to each offset, and log-probabilities (N, M) about them."""
     low, high = limits[..., None]
     mean = found.mean[:, None]
-    lacking = np.nan_to_num(low - mean, neginf=0.0)
-    turns = np.ceil(lacking / repeat) * repeat
+    turns = np.ceil(np.nan_to_num(low - mean, neginf=0.0) / repeat) * repeat
     own = mean + np.where(mean + turns < high, turns, 0)
     base = np.rint(np.clip(own, low, high)).astype(int)
     spread = np.hypot(found.spread, _UNSEEN)
@@ -211,15 +211,14 @@ def _propagate(
     """
     count = alone.shape[1]
     share = softmax(alone, axis=1)
-    agree = np.sum(_values_at(share[source], place) * share[target], axis=1)
+    agree = (_values_at(share[source], place) * share[target]).sum(axis=1)
     meets = (odds * np.minimum(count * agree, 1))[:, None]
     message = np.zeros(place.shape)
     belief = alone
     for _ in range(_ROUNDS):
         back = np.roll(message, len(source) // 2, axis=0)  # the message the other way
         share = softmax(belief[source] - back, axis=1)
-        shifted = _values_at(share, place)
-        new = _LOOP * np.log(meets * shifted + (1 - meets) / count)
+        new = _LOOP * np.log(meets * _values_at(share, place) + (1 - meets) / count)
         new -= new.max(axis=1, keepdims=True)
         message = _DAMPING * message + (1 - _DAMPING) * new
         belief = alone.copy()

@@ -116,7 +116,7 @@ def _smooth_power(power: Array, known: Flags) -> Array:
     ``sqrt(2 / N)``. In the dark a smaller square would take noise for signal.
     """
     share = np.array(
-        [max(np.mean(p[known]) - 2, 1e-3) if known.any() else 1.0 for p in power]
+        [max(p[known].mean() - 2, 1e-3) if known.any() else 1.0 for p in power]
     )
     share /= share.mean()
     excess = power.mean(axis=0) - 2  # each component's noise adds 1 to |p|^2 / s^2
@@ -140,8 +140,7 @@ def pixels_of_cells(cells: Numbers, side: int = CELL) -> Numbers:
 def sum_nearby(images: Array, main: Numbers, radius: int) -> Array:
     """Sum of images (..., h, w) over the cells of the same surface within a radius."""
     flat = images.reshape(-1, *main.shape)
-    found = sums_near(np.arange(main.size), flat, main, radius)
-    return found.reshape(images.shape)
+    return sums_near(np.arange(main.size), flat, main, radius).reshape(images.shape)
 
 
 @njit()

@@ -1,4 +1,7 @@
-"""Compiled loops (Numba): fits of surfaces to the phasors of their pixels."""
+"""Compiled loops (Numba): fits of surfaces to the phasors of their pixels.
+
+Vectors are added number by number, for expressions of arrays take Numba far longer to compile.
+"""
 
 from typing import NamedTuple
 
@@ -43,52 +46,42 @@ class Fit(NamedTuple):
 
 @njit()
 def _moments(field, region, q):  # pragma: no cover - compiled
-    """S, E, slope and curvature in wraps (4,); gradient (6,), mixed (6,), lower Hessian (6, 6)."""
+    """S, E, gradient (7,) and lower Hessian (7, 7) by the parameters and by whole wraps."""
     places = blocks_of_boxes(region.boxes)
     total, known = block_sums(field, region, q, places)
     z, functions = depths_of_blocks(field, q, places)
-    change = -(z**2) * functions  # of the depth
-    k = field.wavenumber
-    turns = field.turns
-    g = _sums_along(change, total[0].imag * k[0] + total[1].imag * k[1])
-    h = _sums_along(change, known[0] * turns[0] * k[0] + known[1] * turns[1] * k[1])
-    bend = known[0] * k[0] ** 2 + known[1] * k[1] ** 2
-    sums = _sums_of_offset(total, known, turns)
-    return sums, g, h, _products(bend * change, change)
+    sums = np.zeros(2)
+    right = np.zeros(BENT + 1)
+    matrix = np.zeros((BENT + 1, BENT + 1))
+    row = np.empty(BENT + 1)
+    for n in range(z.size):
+        for f in range(2):
+            for i in range(BENT):
+                row[i] = -(z[n] ** 2) * field.wavenumber[f] * functions[n, i]
+            row[BENT] = field.turns[f]
+            _add_products(matrix, row, known[f, n])
+            for i in range(BENT + 1):
+                right[i] += total[f, n].imag * row[i]
+            sums[0] += total[f, n].real
+            sums[1] += known[f, n]
+    return sums, right, matrix
 
 
 @inlined
-def _sums_of_offset(total, known, turns):  # pragma: no cover - compiled
-    """Sums (4,) over blocks: S, E, slope and curvature in wraps, from phasors and E (2, N)."""
-    sums = np.zeros(4)
-    for n in range(total.shape[1]):
-        for f in range(2):
-            sums[0] += total[f, n].real
-            sums[1] += known[f, n]
-            sums[2] += total[f, n].imag * turns[f]
-            sums[3] += known[f, n] * turns[f] * turns[f]
-    return sums
+def _add_products(matrix, row, weight):  # pragma: no cover - compiled
+    """Add the products of a row's numbers (7,), weighted, to the lower half of a matrix (7, 7)."""
+    for i in range(BENT + 1):
+        for j in range(i + 1):
+            matrix[i, j] += weight * row[i] * row[j]
 
 
-@njit()
-def _products(some, others):  # pragma: no cover - compiled
-    """Lower half of the matrix (6, 6) of scalar products of vectors (6, N)."""
-    out = np.zeros((BENT, BENT))
-    for n in range(some.shape[1]):
-        for i in range(BENT):
-            for j in range(i + 1):
-                out[i, j] += some[i, n] * others[j, n]
-    return out
-
-
-@njit()
-def _sums_along(vectors, weight):  # pragma: no cover - compiled
-    """Scalar products (6,) of vectors (6, N) with one (N,)."""
-    out = np.zeros(BENT)
+@inlined
+def _product(some, others):  # pragma: no cover - compiled
+    """Scalar product of two vectors (6,)."""
+    total = 0.0
     for i in range(BENT):
-        for n in range(weight.size):
-            out[i] += weight[n] * vectors[i, n]
-    return out
+        total += some[i] * others[i]
+    return total
 
 
 @njit()
@@ -96,20 +89,28 @@ def move_surface(field, q, boxes, size, distance, tilt=UPRIGHT):  # pragma: no c
     """Surface fitted to ``q`` moved by ``distance``, m, and ``tilt``, wraps/px; misfit, m (rms)."""
     places = blocks_of_boxes(boxes[:: max(1, len(boxes) // 100)])
     z, functions = depths_of_blocks(field, q, places)
-    turned = tilt[0] * _from_middle(places[:, 0])
-    turned += tilt[1] * _from_middle(places[:, 1])
-    z = np.maximum(z + distance + field.period * turned, 0.05)
-    change = z * z * functions
-    wanted = _sums_along(change, z)
-    found = solve(_products(change, change), wanted, size)
-    missed = np.sum(z * z) - np.sum(found * wanted)
-    return found, np.sqrt(max(missed, 0.0) / z.size)
+    middle = np.rint(places[:, 0].mean()), np.rint(places[:, 1].mean())
+    for n in range(z.size):
+        turned = 0.0
+        for axis in range(2):
+            turned += tilt[axis] * (places[n, axis] - middle[axis] + (SIDE - 1) / 2)
+        z[n] = max(z[n] + distance + field.period * turned, 0.05)
+    return _surface_through(z, functions, size)
 
 
 @inlined
-def _from_middle(first):  # pragma: no cover - compiled
-    """Distance (N,), px, of the middle of blocks from a pixel in the middle of them all."""
-    return first - np.rint(first.mean()) + (SIDE - 1) / 2
+def _surface_through(z, functions, size):  # pragma: no cover - compiled
+    """Surface next to depths (N,), m, of blocks with functions (N, 6), and its misfit, m (rms)."""
+    matrix = np.zeros((BENT + 1, BENT + 1))
+    row = np.empty(BENT + 1)
+    for n in range(z.size):
+        for i in range(BENT):
+            row[i] = z[n] ** 2 * functions[n, i]
+        row[BENT] = z[n]
+        _add_products(matrix, row, 1.0)
+    found = solve(matrix, matrix[BENT], size)
+    missed = matrix[BENT, BENT] - _product(found, matrix[BENT])
+    return found, np.sqrt(max(missed, 0.0) / z.size)
 
 
 @njit()
@@ -119,24 +120,27 @@ def evaluate_fit(field, region, q, size):  # pragma: no cover - compiled
     After m wraps and a change dq the phases fit as ``sum K (e + m t - k J dq)^2``; with the best
     dq a parabola in m is left, ``known (m - offset)^2``.
     """
-    sums, g, h, matrix = _moments(field, region, q)
+    sums, right, matrix = _moments(field, region, q)
     share = min(max(sums[0] / max(sums[1], 1e-9), 0.3), 1.0)
-    g /= share
-    step = solve(matrix, g, size)
-    shift = solve(matrix, h, size)  # zero beyond these parameters
-    known = max(sums[3] - np.sum(h * shift), 1e-12)
-    offset = -(sums[2] / share - np.sum(g * shift)) / known
+    right /= share
+    step = solve(matrix, right, size)
+    shift = solve(matrix, matrix[BENT], size)  # zero beyond these parameters
+    known = max(matrix[BENT, BENT] - _product(matrix[BENT], shift), 1e-12)
+    offset = (_product(right, shift) - right[BENT]) / known
     return Fit(q, sums[0], sums[1], step, offset, known * share)
 
 
 @njit()
 def change_by_a_wrap(field, region, q, weight):  # pragma: no cover - compiled
     """Change (3,), 1 / m, of a plane moved by a wrap, and its fit's covariance (3, 3), 1 / m^2."""
-    _, _, h, matrix = _moments(field, region, q)
+    _, right, matrix = _moments(field, region, q)
     out = np.empty((4, 3))
-    out[0] = solve(matrix, h, PLANE)[:3]
-    for i in range(3):
-        out[1 + i] = solve(matrix, np.eye(6)[i] / weight, PLANE)[:3]
+    for row in range(4):
+        found = solve(matrix, right if row else matrix[BENT], PLANE)
+        right[:] = 0
+        right[row] = 1 / weight
+        for i in range(3):
+            out[row, i] = found[i]
     return out
 
 
@@ -173,12 +177,12 @@ def refine(field, region, q, size, steps):  # pragma: no cover - compiled
 def _straighten(field, region, bent, plane, steps):  # pragma: no cover - compiled
     """Likeliest of ``plane`` and two planes next to ``bent`` tilted by whole wraps per pixel."""
     near = np.empty(9)
-    planes = np.empty((9, BENT))
+    planes = []
     few = region.boxes[:: max(1, len(region.boxes) // 25)].copy()
     for i in range(9):
-        planes[i], near[i] = move_surface(
-            field, bent, few, PLANE, 0.0, (i // 3 - 1, i % 3 - 1)
-        )
+        tilt = i // 3 - 1, i % 3 - 1
+        moved, near[i] = move_surface(field, bent, few, PLANE, 0.0, tilt)
+        planes.append(moved)
     for _ in range(2):
         i = np.argmin(near)
         if near[i] < ASTRAY * TAU / field.wavenumber[0]:
@@ -226,9 +230,12 @@ def fit_plane_or_bent(
 def boxes_of_cells(cells, columns, most):  # pragma: no cover - compiled
     """Rectangles (B, 4) of cells picked evenly, under 2 ``most``; cells that each stands for."""
     chosen = cells[:: max(1, cells.size // most)]
-    y = chosen // columns * CELL
-    x = chosen % columns * CELL
-    return np.stack((y, y + CELL, x, x + CELL), axis=1), cells.size / chosen.size
+    boxes = np.empty((chosen.size, 4), np.int64)
+    for n, cell in enumerate(chosen):
+        y, x = divmod(cell, columns)
+        for i, edge in enumerate((y, y + 1, x, x + 1)):
+            boxes[n, i] = edge * CELL
+    return boxes, cells.size / chosen.size
 
 
 @njit()
@@ -240,24 +247,28 @@ def _fit_all(field, label, cells, starts, surfaces, effort, gain):  # pragma: no
         own = cells[starts[n] : starts[n + 1]]
         if own.size > 0:
             boxes, weight = boxes_of_cells(own, field.u.size // CELL, most)
-            q = surfaces[n, :BENT]
-            fit[n] = _fit_one(field, Region(boxes, label, n), q, steps, gain, weight)  # pyright: ignore[reportArgumentType]
+            region = Region(boxes, label, n)  # pyright: ignore[reportArgumentType]
+            _fit_one(field, region, surfaces[n], steps, gain, weight, fit[n])
     return surfaces, fit
 
 
 @inlined
-def _fit_one(field, region, q, steps, gain, weight):  # pragma: no cover - compiled
-    """Fit a surface in place; its row (16,) of `fit_surfaces`, zeros if it is not possible."""
-    row = np.zeros(16)
-    found, missed = fit_plane_or_bent(field, region, q, steps, gain, weight)
+def _fit_one(field, region, q, steps, gain, weight, row):  # pragma: no cover - compiled
+    """Fit a surface, and its row (16,) of `fit_surfaces`, in place; neither if impossible."""
+    found, missed = fit_plane_or_bent(field, region, q[:BENT], steps, gain, weight)
     if is_possible(field, found.q, region.boxes):
         stiff = max(stiffness(field, found.most), 1e-9)
-        bend = np.sqrt(found.known / stiff)
-        row[:4] = (found.offset, found.known * weight, missed, bend)
+        row[0] = found.offset
+        row[1] = found.known * weight
+        row[2] = missed
+        row[3] = np.sqrt(found.known / stiff)
         if not found.q[PLANE:].any():
-            row[4:] = change_by_a_wrap(field, region, found.q, weight).ravel()
-        q[:] = found.q
-    return row
+            for i, change in enumerate(
+                change_by_a_wrap(field, region, found.q, weight).flat
+            ):
+                row[4 + i] = change
+        for i in range(BENT):
+            q[i] = found.q[i]
 
 
 def fit_surfaces(

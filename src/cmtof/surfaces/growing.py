@@ -83,12 +83,10 @@ def _grow(field, grid, start, gain, roughest, count):  # pragma: no cover - comp
         if seed.rough < 0:
             continue
         cells = _first_cells(field, grid, seed, window, n + 1)
-        q, rough, cells = _grow_from_cells(field, grid, seed, cells, n + 1, gain)
+        cells = _grow_from_cells(field, grid, seed, cells, n + 1, gain, surfaces[new])
         side = window[2] // CELL
         if cells.size >= 0.6 * side * side:
             grid.owner.ravel()[cells] = count + new
-            surfaces[new, :BENT] = q
-            surfaces[new, BENT] = rough
             new += 1
     return surfaces[:new]
 
@@ -96,9 +94,11 @@ def _grow(field, grid, start, gain, roughest, count):  # pragma: no cover - comp
 @inlined
 def _seed_in_window(field, grid, window, roughest):  # pragma: no cover - compiled
     """`Seed` in a window; ``rough`` is -1 where too little is free or the plane fits too badly."""
-    rows, columns = _cells_of_window(window)
-    information = grid.information[:, rows, columns].sum()
-    free = (grid.owner[rows, columns] < 0).sum()
+    free = 0
+    information = 0.0
+    for y, x in _cells_of_window(window):
+        free += grid.owner[y, x] < 0
+        information += grid.information[0, y, x] + grid.information[1, y, x]
     q = np.zeros(BENT)
     rough = -1.0
     if free >= FREE * (window[2] // CELL) ** 2:
@@ -112,34 +112,33 @@ def _seed_in_window(field, grid, window, roughest):  # pragma: no cover - compil
 
 @inlined
 def _cells_of_window(window):  # pragma: no cover - compiled
-    """Rows and columns of the cells of a window."""
+    """Row and column of each cell of a window."""
     top = window[0] // CELL
     left = window[1] // CELL
     side = window[2] // CELL
-    return slice(top, top + side), slice(left, left + side)
+    return [(top + i // side, left + i % side) for i in range(side * side)]
 
 
 @inlined
 def _first_cells(field, grid, seed, window, mark):  # pragma: no cover - compiled
     """Numbers of the free cells of a window that its surface explains; none if they are few."""
-    rows, columns = _cells_of_window(window)
-    free = np.argwhere(grid.owner[rows, columns] < 0)
+    free = 0
     found = []
-    for down, right in free:
-        y = rows.start + down
-        x = columns.start + right
-        if _explains(field, grid, seed.q, seed.rough, y, x):
-            grid.stamp[y, x] = mark
-            found.append(y * grid.owner.shape[1] + x)
+    for y, x in _cells_of_window(window):
+        if grid.owner[y, x] < 0:
+            free += 1
+            if _explains(field, grid, seed.q, seed.rough, y, x):
+                grid.stamp[y, x] = mark
+                found.append(y * grid.owner.shape[1] + x)
     cells = np.array(found)
-    return cells if cells.size >= 0.6 * len(free) else cells[:0]
+    return cells if cells.size >= 0.6 * free else cells[:0]
 
 
 @inlined
 def _grow_from_cells(
-    field, grid, seed, cells, mark, gain
+    field, grid, seed, cells, mark, gain, surface
 ):  # pragma: no cover - compiled
-    """Fit and grow a surface until no cell joins; return its parameters, roughness and cells."""
+    """Fit and grow a surface (7,), in place, until no cell joins; return its cells."""
     q = seed.q
     rough = seed.rough
     before = 0
@@ -154,7 +153,10 @@ def _grow_from_cells(
         if rough > 0:
             rough = min(_scatter(frequency_sums(field, q, boxes)), seed.most)
         cells = _add_cells_beside(field, grid, q, rough, cells, mark)
-    return q, rough, cells
+    for i in range(BENT):
+        surface[i] = q[i]
+    surface[BENT] = rough
+    return cells
 
 
 @inlined

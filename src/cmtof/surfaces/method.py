@@ -118,7 +118,7 @@ def stages(
         prior=prior and partial(prior, depth[inside], masked),
     ).calibrate(CALIBRATION)
     # where there is no surface, the number -1 stands for the last entry
-    depth = depth + field.period * np.append(joined.wraps, 0)[grown.near]
+    depth += field.period * np.append(joined.wraps, 0)[grown.near]
     slopes = slopes_of_surfaces(depth / field.period, grown.near)
     depth = _add_departures(field, depth, np.append(cells.rough, 0)[grown.label])
     lost = ~np.isfinite(depth[inside])
@@ -203,7 +203,7 @@ def _own_offsets(
 def _confidence(field: Field, odds: Array, grown: GrownSurfaces, votes: Array) -> Array:
     """Confidence of all pixels, by the odds of their surface or by the vote they won."""
     near = np.interp(grown.distance, *BESIDE)
-    odds = odds * np.where(grown.label >= 0, np.interp(grown.share, *FITTING), near)
+    odds *= np.where(grown.label >= 0, np.interp(grown.share, *FITTING), near)
     narrow = np.ptp(field.limits) < 100 * field.period
     odds += NARROW * odds * (1 - odds) * narrow
     return np.where(votes > 0, np.interp(votes, *VOTING), odds)

@@ -45,7 +45,7 @@ def cut_surfaces(
         good &= sizes.min(axis=0) >= _LEAST
         good &= abs(apart) > _APART
         good[count] = False  # of cells without a surface
-        new = count + np.cumsum(good) - 1
+        new = count + good.cumsum() - 1
         main = np.where(ahead & good[main], new[main], main)
         surfaces = np.concatenate([surfaces, surfaces[good[:count]]])
     return main, surfaces
@@ -62,9 +62,8 @@ def _part_pieces(
     label = np.where(cells.label >= 0, pixels_of_cells(number), -1)
     found, _ = fit_surfaces(field, label, surfaces[parent], EFFORT, gain)
     alone = cells_of_surfaces(field, label, found)
-    won = np.sum(alone.sums - cells.sums, axis=0).real
-    gains = sum_surfaces(number, won, len(found))
-    good = gains[:-1] > _ALONE
+    won = (alone.sums - cells.sums).real.sum(axis=0)
+    good = sum_surfaces(number, won, len(found))[:-1] > _ALONE
     new = np.where(good, len(surfaces) + good.cumsum() - 1, parent)
     main = np.where(number >= 0, np.append(new, -1)[number], cells.main)
     return main, np.concatenate([surfaces, found[good]])
@@ -104,7 +103,7 @@ def _halves(
         middle = ((part + rest) / 2)[main]
         turn = (part - rest)[main]
     apart = part - rest
-    gain = apart**2 / np.sum(1 / known, axis=0) / 2
+    gain = apart**2 / (1 / known).sum(axis=0) / 2
     return ahead, apart, gain, summed(sides)
 
 

@@ -66,7 +66,7 @@ def pixel_labels(
     left = np.exp(np.outer((-0.5, -2.0), rough))[:, label]
     known = field.information.astype(float)
     mean = uniform_filter(known, side, mode="constant", axes=(1, 2))
-    expected = np.sum(side**2 * mean * left, axis=0)
+    expected = (side**2 * mean * left).sum(axis=0)
     share = (best / np.maximum(expected, 1e-9)).astype(np.float32)
     label = np.where(share > EXPLAINED, label, -1)
     return label, share, interiors(label, share)
@@ -80,8 +80,7 @@ def interiors(label: Numbers, share: Array) -> Numbers:
     )
     number = label + 1  # zero stands for none
     whole = np.bincount(number.ravel())
-    left = np.bincount(number[inner], minlength=whole.size)
-    thin = left < whole / 4
+    thin = np.bincount(number[inner], minlength=whole.size) < whole / 4
     return np.where(inner | thin[number], label, -1)
 
 
@@ -94,7 +93,7 @@ def _label(field, owner, surfaces, label, best):  # pragma: no cover - compiled
             near = _near_cell(field, surfaces[n], row, column)
             for y in range(CELL):
                 for x in range(CELL):
-                    total = np.sum(near[y : y + side, x : x + side])
+                    total = near[y : y + side, x : x + side].sum()
                     at = (row * CELL + y, column * CELL + x)
                     if total > best[at]:
                         best[at] = total
@@ -163,8 +162,7 @@ def _closure(excess: Array, most: Array) -> float:
         weight = most / (1 + most * (excess - off) ** 2 / 2)
         total = weight.sum()
         off = float(weight @ excess / (total + _CLOSED))
-    least = _OPEN / np.sqrt(total + 1e-12)
-    return 0.0 if abs(off) < least else off
+    return off if abs(off) >= _OPEN / np.sqrt(total + 1e-12) else 0.0
 
 
 class Planes(NamedTuple):
@@ -182,7 +180,7 @@ def _planes(surfaces: Array, fit: Array) -> Planes:
     length = np.linalg.norm(q, axis=1, keepdims=True)
     normal = q / length
     shift = fit[:, 4:7]
-    along = np.sum(normal * shift, axis=1, keepdims=True)
+    along = (normal * shift).sum(axis=1, keepdims=True)
     turn = (shift - normal * along) / length
     noise = fit[:, 7:].reshape(-1, 3, 3) / length[:, :, None] ** 2
     return Planes(normal, turn, noise, shift.any(axis=1))  # pyright: ignore[reportArgumentType]
@@ -199,7 +197,7 @@ def use_axes(found: Offsets, surfaces: Array, fit: Array, label: Numbers) -> Off
     now = planes.normal + mean[:, None] * planes.turn
     now /= np.linalg.norm(now, axis=1, keepdims=True)
     trace = np.trace(planes.noise, axis1=1, axis2=2)
-    width = np.sqrt(trace + variance * np.sum(planes.turn**2, axis=1) + _PLUMB**2)
+    width = np.sqrt(trace + variance * (planes.turn**2).sum(axis=1) + _PLUMB**2)
     size = np.bincount(label[label >= 0], minlength=width.size)
     clear = planes.known & (width < _CLEAR)
     for axis in _axes(now, width, clear, size * clear):
@@ -234,8 +232,7 @@ def _use_right_angles(
 ) -> Arrays:
     """Mean and variance (N,) of offsets by the right angles of planes to an axis."""
     slope = planes.turn @ axis
-    now = planes.normal + mean[:, None] * planes.turn
-    off = now @ axis
+    off = (planes.normal + mean[:, None] * planes.turn) @ axis
     total = planes.noise @ axis @ axis + _PLUMB**2
     total += slope**2 * variance
     likely = np.exp(-(off**2) / total / 2) / np.sqrt(TAU * total)

@@ -46,7 +46,7 @@ def cells_of_surfaces(
     """Phasors turned back by the depth of their surface (N, 7), and how rough these are."""
     middle = slice((side - 1) // 2, side // 2 + 1)
     # the largest of the middle four pixels, so that mirrors agree
-    main = _blocks(inner, side)[:, middle, :, middle].max(axis=(1, 3)).astype(int)
+    main = _blocks(inner, side)[:, middle, :, middle].max(axis=(1, 3))
     whole = pixels_of_cells(main, side)
     label = np.where(whole == inner, inner, -1)
     chosen = label >= 0
@@ -62,9 +62,7 @@ def cells_of_surfaces(
 def _blocks(images: NDArray, side: int) -> NDArray:
     """Images (..., H, W) as the pixels of their cells (..., h, side, w, side)."""
     *others, height, width = images.shape
-    rows = height // side
-    columns = width // side
-    return images.reshape(*others, rows, side, columns, side)
+    return images.reshape(*others, height // side, side, width // side, side)
 
 
 @njit()
@@ -134,8 +132,7 @@ def departure(field: Field, turned: Array, variance: Array) -> Array:
     found = known / (1 + known) * np.angle(near)
     for _ in range(_TURNS):
         low, high = turn_both_back(field, phasors, found).imag
-        pull = variance * (low + field.multiple * high) - found
-        found += pull / (1 + known)
+        found += (variance * (low + field.multiple * high) - found) / (1 + known)
     out[rough] = np.clip(found, -np.pi, np.pi)
     return out
 

@@ -33,16 +33,17 @@ def depth_of_labels(field: Field, label: Numbers, surfaces: Array) -> Array:
     """Depth (H, W), m, of each pixel on its surface; NaN without one."""
     out = np.full(label.shape, np.nan)
     place = np.nonzero(label >= 0)
-    out[place] = depth_of_pixels(field, surfaces, label[place], *place)
+    out[place] = depth_of_pixels(field, surfaces, np.array([label[place], *place]))
     return out
 
 
 @njit()
-def depth_of_pixels(field, surfaces, which, y, x):  # pragma: no cover - compiled
-    """Depth (P,), m, of surfaces by their number (P,) at pixels (P,)."""
-    out = np.empty(which.size)
-    for n in range(which.size):
-        out[n] = depth_at(field, surfaces[which[n]], y[n], x[n])
+def depth_of_pixels(field, surfaces, pixels):  # pragma: no cover - compiled
+    """Depth (P,), m, of pixels by the number of their surface, their row and column (3, P)."""
+    out = np.empty(pixels.shape[1])
+    for n in range(out.size):
+        of, y, x = pixels[:, n]
+        out[n] = depth_at(field, surfaces[of], y, x)
     return out
 
 
@@ -57,20 +58,21 @@ def is_possible(field, q, boxes):  # pragma: no cover - compiled
 @njit()
 def solve(matrix, right, size):  # pragma: no cover - compiled
     """Solution (6,) of ``matrix x = right`` for the first ``size`` unknowns; the rest is zero."""
-    scale = 1 / np.sqrt(np.diag(matrix)[:size] + 1e-12)
-    found = scale * right[:size]
+    scale = np.empty(size)
     left = np.empty((size, size))
+    found = np.zeros(BENT)
     for i in range(size):
+        scale[i] = 1 / np.sqrt(matrix[i, i] + 1e-12)
+        found[i] = scale[i] * right[i]
         for j in range(i + 1):
             left[i, j] = left[j, i] = scale[i] * scale[j] * matrix[i, j]
     for k in range(size):
-        pivot = left[k, k] + 1e-10
         for i in range(size):
             if i != k:
-                share = left[i, k] / pivot
+                share = left[i, k] / (left[k, k] + 1e-10)
                 found[i] -= share * found[k]
                 for j in range(k, size):
                     left[i, j] -= share * left[k, j]
-    out = np.zeros(BENT)
-    out[:size] = found * (scale / (np.diag(left) + 1e-10))
-    return out
+    for i in range(size):
+        found[i] *= scale[i] / (left[i, i] + 1e-10)
+    return found

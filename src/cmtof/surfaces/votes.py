@@ -126,7 +126,7 @@ def _cost_of_depth(ballot, ratio, y, x, z):  # pragma: no cover - compiled
         if not ballot.asked[y, x]:
             return np.inf
         place = ballot.low[y, x]
-        place = place + np.rint(z - place)
+        place += np.rint(z - place)
         left = ballot.high[y, x] - ratio * place
         left -= np.rint(left)
     return (place - z) ** 2 / (2 * _KERNEL**2) + ballot.sharp[y, x] * left * left

@@ -142,59 +142,57 @@ def _beats(field, window, information):  # pragma: no cover - compiled
     """Beat of a window for each alias (A, A) of its slope, and the phase of the lower tone, rad."""
     side = window[2]
     count = 8 if side >= 32 and information > 4 * _LEAST else 4
-    sums = _blocks(field, window, count)
+    low, beats = _blocks(field, window, count)
     ratio = field.wavenumber[1] / field.wavenumber[0]
     multiple = np.rint(ratio)
-    low = sums[0]
-    unit = low / np.maximum(np.abs(low), 1e-9)
-    beats = sums[1] * np.conj(unit**multiple)
+    for place in np.ndindex(low.shape):
+        unit = low[place] * (1 / max(np.abs(low[place]), 1e-9))
+        beats[place] *= np.conj(unit**multiple)
     # a whole turn of the lower phase marks the higher one by this
     excess = (ratio - multiple) * TAU
-    half = count // 2
-    middle = slice(half - 1, half + 1)
-    phase = np.angle(np.sum(low[middle, middle]))
+    middle = slice(count // 2 - 1, count // 2 + 1)
+    phase = np.angle(low[middle, middle].sum())
     return _sums_of_aliases(beats, excess, side), phase
 
 
 @inlined
 def _sums_of_aliases(beats, excess, side):  # pragma: no cover - compiled
     """Sums (A, A) of blocks' beats, turned back by the whole turns per pixel of each alias."""
-    aliases = np.arange(-_ALIASES, _ALIASES + 1)
-    out = np.empty((aliases.size, aliases.size), np.complex128)
-    count = len(beats)
-    middle = (np.arange(count) + 0.5) * (side // count) - 0.5 - side // 2
-    below = middle.reshape(count, 1)
-    for a, down in enumerate(aliases):
-        for b, right in enumerate(aliases):
-            turn = excess * (down * below + right * middle)
-            out[a, b] = np.sum(beats * np.exp(-1j * turn))
+    count = 2 * _ALIASES + 1
+    out = np.zeros((count, count), np.complex128)
+    width = side // len(beats)
+    start = (width - 1) / 2 - side // 2  # middle of the first block
+    for a, b in np.ndindex(out.shape):
+        for i, j in np.ndindex(beats.shape):
+            down = (a - _ALIASES) * (start + i * width)
+            right = (b - _ALIASES) * (start + j * width)
+            out[a, b] += beats[i, j] * np.exp(-1j * (excess * (down + right)))
     return out
 
 
 @inlined
 def _blocks(field, window, count):  # pragma: no cover - compiled
     """Sums of both phasors over count x count blocks of a window, turned back by its slope."""
-    side = window[2]
+    top, left, side = window[:3]
     width = side // count
     sums = np.zeros((2, count, count), np.complex128)
     for f in range(2):
-        turned = _turn_window(field, window, f)
-        for y in range(side):
-            for block in range(count):
-                row = turned[y, block * width : (block + 1) * width]
-                sums[f, y // width, block] += np.sum(row)
+        along = _turns(field, f, side, window[3])
+        across = _turns(field, f, side, window[4])
+        for y, x in np.ndindex(side, side):
+            turned = field.phasor[f, top + y, left + x] * along[y] * across[x]
+            sums[f, y // width, x // width] += turned
     return sums
 
 
 @inlined
-def _turn_window(field, window, f):  # pragma: no cover - compiled
-    """Phasors (h, h) of one frequency in a window, turned back by its slope."""
-    top, left, side, down, right = window
-    ramp = np.arange(side) - side // 2
+def _turns(field, f, side, slope):  # pragma: no cover - compiled
+    """Unit phasors (h,) that turn pixels of a window back by a slope, rad/px, in one direction."""
+    turns = np.empty(side, np.complex128)
     ratio = field.wavenumber[f] / field.wavenumber[0]
-    across = np.exp(-1j * ratio * right * ramp)
-    along = np.exp(-1j * ratio * down * ramp).reshape(side, 1)
-    return field.phasor[f, top : top + side, left : left + side] * across * along
+    for i in range(side):
+        turns[i] = np.exp(-1j * ratio * slope * (i - side // 2))
+    return turns
 
 
 @inlined
@@ -229,11 +227,10 @@ def _climb_outwards(field, q, window):  # pragma: no cover - compiled
         there = core == side
         y = top + (side - core) // 2
         x = left + (side - core) // 2
-        information = np.sum(field.information[0, y : y + core, x : x + core])
+        information = field.information[0, y : y + core, x : x + core].sum()
         if there or information > 100:
             region = region_of_boxes(np.array([[y, y + core, x, x + core]]))
-            steps = 3 if there else 2
-            fit = climb(field, region, q, PLANE, steps)
+            fit = climb(field, region, q, PLANE, 3 if there else 2)
             if there or fit.likelihood < 0.4 * fit.most:
                 return fit, there
             q = fit.q
