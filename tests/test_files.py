@@ -65,6 +65,18 @@ def test_what_a_killed_process_left_is_removed(process, age, left):
     assert lost.exists() == left
 
 
+def test_a_write_protected_file_is_refused_at_once():
+    Path().chmod(0o777)
+    Path("a.txt").touch(0o444)
+    before = os.geteuid()
+    try:
+        os.seteuid(before or 65534)  # for root may write all
+        with refused("a.txt .Permission denied", PermissionError):
+            check_output("a.txt")
+    finally:
+        os.seteuid(before)
+
+
 @mark.parametrize("path, message", WRONG["paths"])
 def test_what_cannot_be_written_is_refused_at_once(path, message):
     os.mkfifo("pipe")
