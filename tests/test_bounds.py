@@ -92,7 +92,7 @@ def test_odds_of_one_pixel_equal_counting(rng, intensity):
     beat = centred(error[1] - 2 * error[0])
     wraps = np.rint((low / (high - 2 * low)) * beat / TAU - error[0] / TAU)
     law = bounds.wrap_probability_law(noise, noise, frequencies=FREQUENCIES)
-    assert np.mean(wraps == 0) == approx(law, rel=0.04)
+    assert (wraps == 0).mean() == approx(law, rel=0.04)
     if intensity == 1:
         assert odds(noise) == approx(law, rel=0.05)
 

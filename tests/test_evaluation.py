@@ -53,7 +53,7 @@ def test_pooled_frames_are_one_large_frame(rng):
     assert score(whole) == approx(many)
     errors = abs(whole["depth_error"])
     assert many["depth_median_error_m"] == approx(np.median(errors), rel=2e-3)
-    assert many["depth_rmse_m"] == approx(np.sqrt(np.mean(errors**2)))
+    assert many["depth_rmse_m"] == approx(np.sqrt((errors**2).mean()))
 
 
 def test_scores_need_a_truth_and_a_pixel(measured):

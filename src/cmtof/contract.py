@@ -200,7 +200,7 @@ def _mask_samples(samples: Array, valid: Flags, simulated: bool) -> Array:
         if simulated:
             largest = abs(samples).max(axis=tuple(range(samples.ndim - 2)))
             known = valid & (largest < _NOT_WRITTEN)
-            unknown = unknown & ~(largest <= 2 * largest[known].max(initial=0))
+            unknown &= ~(largest <= 2 * largest[known].max(initial=0))
     return np.where(unknown | lost, np.float32(np.nan), samples)
 
 

@@ -95,8 +95,8 @@ class Tally:
         delta = abs(pixels["wrap_count"] - pixels["true_count"])
         right = pixels["consistent"] == pixels["true_consistent"]
         error = abs(pixels["depth_error"])
-        self._squares += np.sum(error**2)
-        self._confidences += np.sum(pixels["confidence"], dtype=float)
+        self._squares += (error**2).sum()
+        self._confidences += pixels["confidence"].sum(dtype=float)
         self._errors += np.bincount(
             np.searchsorted(_EDGES, error), minlength=_EDGES.size + 1
         )
@@ -111,7 +111,7 @@ class Tally:
         whole = sum(frame["pixels"] for frame in self.frames)
         counts = [[*frame["below"], frame["consistent"]] for frame in self.frames]
         lt_1, lt_2, lt_3, lt_10, consistent = (np.sum(counts, axis=0) / whole).tolist()
-        median = np.searchsorted(np.cumsum(self._errors), whole / 2)
+        median = np.searchsorted(self._errors.cumsum(), whole / 2)
         sets = {
             name: float(
                 np.mean([frame[name] / frame["pixels"] for frame in self.frames])

@@ -165,7 +165,7 @@ def frame_from_npz(path: Path, camera: ArrayLike | None) -> Frame:
 
 def light_note(light: Array) -> str:
     """Warning about linear brightness, where 1 is white, that looks wrong, or an empty text."""
-    white = np.mean(light >= 1)
+    white = (light >= 1).mean()
     brightest = np.percentile(light, 99)
     if white > _WHITE:
         return f"{white:.0%} of the light is at 1 or above, and counts as white"

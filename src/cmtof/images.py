@@ -104,15 +104,14 @@ def depth_from_levels(levels: NDArray, scale: float | None) -> tuple[Array, list
         )
     known_levels = levels[known]
     if known_levels.size and np.ptp(known_levels):
-        share = np.mean(known_levels == known_levels.max())
+        share = (known_levels == known_levels.max()).mean()
         if share > _CROWDED:
             notes.append(
                 f"{share:.1%} of the depths are at the largest level, {known_levels.max()}"
             )
-        if (
-            np.mean(known_levels % _ROTATED == 0) > 0.95
-            and np.unique(known_levels).size > _ROTATED
-        ):
+        if (known_levels % _ROTATED == 0).mean() > 0.95 and np.unique(
+            known_levels
+        ).size > _ROTATED:
             notes.append(
                 f"all levels are multiples of {_ROTATED}: if these are SUN RGB-D's rotated bits, "
                 f"give the scale {_ROTATED * 1000}"

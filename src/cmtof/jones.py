@@ -31,7 +31,7 @@ def linear_polarisation(angle: ArrayLike = 0.0) -> JonesVector:
 def intensity(field: ArrayLike) -> Array:
     """Intensity ``|E_h|^2 + |E_v|^2`` (...) of Jones vectors (..., 2) (Eq. 15)."""
     e = np.asarray(field, np.complex128)
-    return np.sum(e.real**2 + e.imag**2, axis=-1)
+    return (e.real**2 + e.imag**2).sum(axis=-1)
 
 
 def _matrix(hh: NDArray, hv: NDArray, vh: NDArray, vv: NDArray) -> JonesMatrix:

@@ -46,8 +46,7 @@ def denoise(phase: ArrayLike, *, window: int = 5) -> Denoised:
     """
     flat = _windows_without_slope(phase, window)
     total = flat.sum(axis=(-2, -1))
-    inside = abs(flat).sum(axis=(-2, -1))
-    coherence = np.minimum(abs(total) / inside, 1.0)
+    coherence = np.minimum(abs(total) / abs(flat).sum(axis=(-2, -1)), 1.0)
     return Denoised(wrapped(np.add(phase, np.angle(total))), coherence)
 
 

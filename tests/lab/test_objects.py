@@ -47,14 +47,14 @@ def test_still_lifes_stand_on_a_table_and_differ():
     assert abs(first.vertices - other.vertices).max() > 0.01
     hits = MeshTarget.from_mesh(first).look(unit_rays(view))
     low, high = WRAPS
-    assert np.mean((low < hits.range) & (hits.range < high)) > 0.7
+    assert ((low < hits.range) & (hits.range < high)).mean() > 0.7
 
 
 def test_materials_are_those_of_the_paper():
     shown = ("bust", "helmet", "owl", "table")
     bust, helmet, owl, table = (looked_at(name)[1] for name in shown)
     assert np.median(bust.reflectance[bust.range < 1.0]) == approx(0.8)
-    assert np.mean(helmet.mirrored > 0.9) > 0.2
+    assert (helmet.mirrored > 0.9).mean() > 0.2
     feathers = owl.reflectance[owl.range < 1.0]
     assert feathers.min() < 0.05
     assert feathers.max() > 0.75

@@ -66,7 +66,7 @@ def test_sweep_follows_the_law_of_a_noisy_phase_where_nothing_drifts(reflectance
 def test_calibration_helps_a_mirror_and_the_offset_hides_a_plate():
     def rms(ranger):
         error = ranger.sweep(MIRROR, POSITIONS, repeats=20, seed=2) - POSITIONS
-        return np.sqrt(np.mean((error - MIRROR.distance) ** 2))
+        return np.sqrt(((error - MIRROR.distance) ** 2).mean())
 
     assert rms(RfRanger()) < 0.3 * rms(RfRanger(calibrated=False))
     # without calibration the offset is all there is: the reading stands still

@@ -188,7 +188,7 @@ def test_crops_of_fine_tuning_move_over_the_classes(trained, stepped_wall, rng):
     _, label, phase, turns = map(np.stack, zip(*pieces, strict=True))
     known = label != IGNORED
     assert_allclose(np.exp(1j * (TAU * turns - phase))[known], 1, atol=1e-3)
-    assert np.mean((label == np.floor(turns))[known]) > 0.99  # or on an edge
+    assert (label == np.floor(turns))[known].mean() > 0.99  # or on an edge
     assert len({int(np.median(one)) for one in label}) > 5
 
 

@@ -155,6 +155,5 @@ def _posterior(measurement: Measurement, wraps: Numbers, residual: Array) -> Arr
     lower = size - (last - wraps + 0.5) * gap
     mass = ndtr(upper / spread) - ndtr(lower / spread)
     # beyond the cap the mass has vanished and the chosen wrap stands alone
-    deviations = residual / spread
-    mass *= np.exp(np.minimum(deviations**2 / 2, 600))
+    mass *= np.exp(np.minimum((residual / spread) ** 2 / 2, 600))
     return 1 / np.maximum(np.sqrt(TAU) * spread / gap * mass, 1.0)

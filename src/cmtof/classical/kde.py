@@ -79,7 +79,7 @@ def hypotheses(measurement: Measurement) -> Iterator[Single]:
     spread = (np.maximum(np.hypot(noise[1], ratio * noise[0]), least) / TAU).astype(
         np.float32
     )
-    reliability = np.exp(-np.sum(noise**2, axis=0) / (2 * _RELIABILITY)).astype(
+    reliability = np.exp(-(noise**2).sum(axis=0) / (2 * _RELIABILITY)).astype(
         np.float32
     )
     misfit = np.mod((phase[1] - ratio * phase[0]) / TAU, 1).astype(np.float32)

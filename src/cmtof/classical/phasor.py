@@ -79,7 +79,7 @@ def _candidates(phase: Array, measurement: Measurement) -> list[Array | int]:
 def match(phase: Array, amplitude: Array, depth: Array, frequencies: Array) -> Array:
     """Match F (H, W), counts, of depths (H, W), m, to phases, rad, and amplitudes (2, H, W)."""
     off = phase_from_depth(depth, np.reshape(frequencies, (2, 1, 1))) - phase
-    return np.sum(amplitude * np.cos(off), axis=0)
+    return (amplitude * np.cos(off)).sum(axis=0)
 
 
 def _peak(
@@ -91,9 +91,9 @@ def _peak(
     depth = depth_from_phase(phase[0] + TAU * np.asarray(wraps), low)
     apart = phase[1] - phase_from_depth(depth, high)
     total = amplitude[0] + amplitude[1] * np.exp(1j * apart)
-    depth = depth + depth_from_phase(np.angle(total), low)
+    depth += depth_from_phase(np.angle(total), low)
     off = phase_from_depth(depth, tones) - phase
-    slope = -np.sum(amplitude * tones * np.sin(off), axis=0)
-    curvature = np.sum(amplitude * tones**2 * np.cos(off), axis=0)
+    slope = -(amplitude * tones * np.sin(off)).sum(axis=0)
+    curvature = (amplitude * tones**2 * np.cos(off)).sum(axis=0)
     step = np.clip(quotient(slope, curvature) * low, -0.1, 0.1)
     return depth + depth_from_phase(step, low)

@@ -34,5 +34,4 @@ def mode(measurement: Measurement) -> Estimate:
         return middle(measurement)
     most = stats.mode(wrap_count_from_depth(known, frequency))
     depth = np.full(measurement.shape, (most.mode + 0.5) * wrap_length(frequency))
-    share = np.full(measurement.shape, most.count / known.size)
-    return Estimate(depth, share)
+    return Estimate(depth, np.full(depth.shape, most.count / known.size))

@@ -276,8 +276,7 @@ def batch_at(
             crop = room_crop(rng, pack, stage.crop, config.protocol)
         else:
             crop = dead_leaves(rng, stage.crop, config.protocol)
-        noise = sigma * np.exp(rng.uniform(-0.2, 0.1))
-        crops.append((*crop, noise, rng))
+        crops.append((*crop, sigma * np.exp(rng.uniform(-0.2, 0.1)), rng))
     return batch_of(crops, config.offset)
 
 

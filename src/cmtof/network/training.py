@@ -227,7 +227,7 @@ def _gain(ours: Sequence[Numbers], others: Sequence[Numbers]) -> tuple[float, ..
     Both are wrap errors by view. The interval is Student's over views, as the pixels of a view are
     right or wrong together.
     """
-    gains = [np.mean(a < 1) - np.mean(b < 1) for a, b in zip(ours, others, strict=True)]
+    gains = [(a < 1).mean() - (b < 1).mean() for a, b in zip(ours, others, strict=True)]
     interval = (-1.0, 1.0)
     if len(gains) > 1:
         interval = ttest_1samp(gains, 0.0).confidence_interval()
