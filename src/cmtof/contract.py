@@ -94,7 +94,7 @@ def with_coordinates(dataset: Dataset) -> Dataset:
         if not variable.size or variable.dims != dims:
             raise ValueError(
                 f"Expected {name} with dimensions {dims}, none of them empty, "
-                f"got {dict(variable.sizes)}. Transpose or rename them."
+                f"got {dict(variable.sizes)}. Transpose, rename or repeat them."
             )
     # outside xarray a variable of two dimensions is no coordinate
     return dataset.set_coords(needed)
