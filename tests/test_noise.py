@@ -137,7 +137,8 @@ def test_line_noise_is_found_again(known, rng):
     spectrum = known.spectrum(SHAPE)
     found = []
     for _ in range(6):
-        left = local_residual(wrapped(noise_from_spectrum(spectrum, rng=rng)))
+        drawn = noise_from_spectrum(spectrum, rng=rng)
+        left = local_residual(wrapped(drawn))
         found.append(fit_line_noise(left, part()))
     floors = [0.002, 0.006, 0.02, 0.02]  # what finite windows bias
     assert_array_less(abs(np.mean(found, 0) - known), 4 * sem(found) + floors)

@@ -79,7 +79,7 @@ def measurement(stepped_wall):
 def phases(measurement):
     """The same phases alone, as a reader has them in a file."""
     low, high = measurement.range
-    phase = np.round(measurement.phase, 6)
+    phase = measurement.phase.round(6)
     return Measurement.from_phase(phase, FREQUENCIES, range_min=low, range_max=high)
 
 

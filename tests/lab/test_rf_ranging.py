@@ -47,7 +47,7 @@ def test_an_imbalance_errs_twice_a_turn_and_is_taken_away(gain=0.9, error=-0.2):
     assert_allclose(read.imag, 2 * gain * np.sin(angle + error))
     assert_allclose(correct_quadratures(read, gain, error), true)
     wrong = centred(np.angle(read) - angle)
-    assert np.argmax(abs(np.fft.rfft(wrong - wrong.mean()))) == 2
+    assert abs(np.fft.rfft(wrong - wrong.mean())).argmax() == 2
 
 
 @mark.parametrize("reflectance", [1e-3, 1e-6])
