@@ -7,8 +7,8 @@ set -uo pipefail
 cd "$(dirname "$0")/.."
 
 NAMES="oldest haswell zen skylake mixed host"
-TESTS=${TESTS:--m 'not slow' --ignore=tests/hostile --ignore=tests/reader --ignore=tests/test_wheel.py
-  --ignore=tests/test_house.py --ignore=tests/book/test_book.py}
+TESTS=${TESTS:-"-m 'not slow' --ignore=tests/hostile --ignore=tests/reader --ignore=tests/test_wheel.py
+  --ignore=tests/test_house.py --ignore=tests/book/test_book.py"}
 
 flag_of() { # what a machine needs of the processor
   case $1 in oldest | host) echo sse4_2 ;; skylake) echo avx512dq ;; *) echo avx2 ;; esac
