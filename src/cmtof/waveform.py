@@ -70,5 +70,4 @@ def low_pass_harmonics(
     ``frequency``, Hz: harmonics lose amplitude and lag behind.
     """
     w = np.asarray(harmonics, np.complex128)
-    lag = 1j * np.arange(w.shape[-1]) * frequency / cutoff
-    return w / (1 + lag)
+    return w / (1 + 1j * np.arange(w.shape[-1]) * frequency / cutoff)

@@ -119,8 +119,7 @@ def dead_leaves(rng: Generator, side: int, protocol: str) -> Crop:
     grain = 0.15 * rng.standard_normal((side, side))
     grain *= rng.uniform() < 0.5
     light *= np.exp(grain)
-    depth = np.where(turns > 1, turns * WRAP, np.nan)
-    return depth, np.minimum(light, 1)
+    return np.where(turns > 1, turns * WRAP, np.nan), np.minimum(light, 1)
 
 
 def _rotate(pixels: Array, rng: Generator) -> Array:
