@@ -76,7 +76,7 @@ def check_output(path: AnyPath, suffix: str = "") -> Path:
     """Check that a file can be written, before anything is computed; return its real path.
 
     A ValueError if its name, or that of the file that a link leads to, lacks a given suffix; an
-    OSError if the folder is missing or cannot be written to, or it is no regular file.
+    OSError if the folder is missing, if it or the file may not be written, or for no regular file.
     """
     target = Path(path)
     if target.is_symlink():  # what it points to is replaced, not the link
