@@ -97,11 +97,15 @@ def test_evaluate_writes_the_contract(succeeds):
 def test_methods_and_info(succeeds, measurement_file):
     listed = json.loads(succeeds("methods --json"))
     assert [one["name"] for one in listed if one["default"]] == ["surfaces"]
-    learned = {one["state"] for one in listed if one["kind"] == "learned"}
-    assert learned <= {"trained", "untrained", "no weights"}
+    assert {one["state"] for one in listed if one["kind"] == "learned"} <= {
+        "trained",
+        "untrained",
+        "no weights",
+    }
     rates = {one["name"]: one["validation"] for one in listed}
     assert rates["crt"] is None
-    assert f"{rates['fast-scnn']:.1%}" in succeeds("methods")
+    [text] = succeeds("methods").split("…")  # no word is cut
+    assert f"{rates['fast-scnn']:.1%}" in text
     assert f"cmtof {cmtof.__version__}" in succeeds("info")
     text = succeeds("info", measurement_file)
     assert "float32 correlation(frequency, step, y, x)" in text

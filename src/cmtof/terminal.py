@@ -45,7 +45,7 @@ EXTRAS = {
 
 def prepare_streams() -> None:
     """Let output work in encodings that lack some characters, and where streams are closed."""
-    codecs.register_error("cmtof", _replace_unencodable)
+    codecs.register_error("cmtof", _replace_unencodable)  # pyright: ignore[reportArgumentType] - for writing alone
     for name in ("stdout", "stderr"):
         stream = getattr(sys, name)
         if stream is None:  # closed, as some schedulers start a command
@@ -54,10 +54,8 @@ def prepare_streams() -> None:
             stream.reconfigure(errors="cmtof")
 
 
-def _replace_unencodable(error: UnicodeError) -> tuple[str, int]:
+def _replace_unencodable(error: UnicodeEncodeError) -> tuple[str, int]:
     """Replacement of characters that cannot be encoded, and the position after them."""
-    if not isinstance(error, UnicodeEncodeError):
-        raise error
     plain = error.object[error.start : error.end].translate(PLAIN)
     return plain.encode("ascii", "backslashreplace").decode(), error.end
 
@@ -150,6 +148,7 @@ def print_table(title: str, rows: Sequence[Mapping[str, object]]) -> None:
     table = Table(*head, title=Text(escape_controls(title)))
     table.columns[0].no_wrap = True
     for row in rows:
-        table.add_row(*(Text(escape_controls(row.get(title, ""))) for title in head))
+        texts = (escape_controls(row.get(title, "")) for title in head)
+        table.add_row(*(Text(text, overflow="fold") for text in texts))
     # a narrower one would leave out numbers
     Console(width=max(80, get_terminal_size().columns)).print(table)

@@ -207,9 +207,10 @@ def _rates(scores: "Values") -> "Texts":
 def methods(
     as_json: bool = False,
 ) -> None:
-    """List every unwrapping method with its kind, source and state.
+    """List every unwrapping method with its source and state.
 
-    Of a trained network, with the share of right wraps in its validation.
+    The state is its kind, or how far its network is trained, and then with the share of right wraps
+    in its validation.
     """
     from cmtof.methods import DEFAULT, METHODS
 
@@ -230,9 +231,9 @@ def methods(
     for row in rows:
         rate = row["validation"]
         row["right"] = "" if rate is None else f"{rate:.1%}"
-    head = ("name", "kind", "state", "right", "summary", "source")
+    head = ("name", "state", "right", "summary", "source")
     print_table("", [{key: row[key] for key in head} for row in rows])
-    print(f"Default: {DEFAULT}. State: of weights for the released protocol.")
+    print(f"Default: {DEFAULT}. State: kind, or of weights for the released protocol.")
     print(
         "Right: share of right wraps on validation views by the network alone, from its card."
     )
