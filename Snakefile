@@ -48,6 +48,10 @@ LONG = (
     "12_robustness",
     "11_surfaces",
     "09_limits",
+    "07_captures",
+    "15_scan",
+    "06_scenes",
+    "03_wraps",
 )
 PRIORITIES = {name: len(LONG) - place for place, name in enumerate(LONG)}
 
@@ -87,8 +91,18 @@ rule notebook:
         " {output.executed} {output.results}"
 
 
+rule laboratory:
+    input:
+        graph.inputs("cmtof_book.laboratory"),
+    output:
+        directory(f"{BUILD}/laboratory"),
+    shell:
+        "mkdir {output}; {PYTHON} -m cmtof_book.laboratory {output}"
+
+
 rule stage:
     input:
+        laboratory=f"{BUILD}/laboratory",
         executed=expand(f"{BUILD}/notebooks/{{notebook}}.ipynb", notebook=NOTEBOOKS),
         results=expand(f"{BUILD}/results/{{notebook}}", notebook=NOTEBOOKS),
         chapters=CHAPTERS,
@@ -101,6 +115,7 @@ rule stage:
         " find {input.results} -name '*.png' -o -name '*.svg' | xargs cp -t {output}/book/figures;"
         " find {input.results} -name '*_*.csv' | xargs cp -t {output}/book/_static/numbers;"
         " find {input.results} -name '*_*.js' | xargs cp -t {output}/book/_static/scenes;"
+        " cp {input.laboratory}/* {output}/book/_static/laboratory;"
         " {PYTHON} -m cmtof_book.stage {BUILD} {output} {input.executed}"
 
 

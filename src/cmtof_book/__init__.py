@@ -1,9 +1,14 @@
 """The book's own tools: figures, published numbers, notes and provenance; no physics."""
 
+import sys
 from pathlib import Path
 from typing import Any
 
 from cmtof.files import read_document
+
+# jsonschema, by which notebooks are checked and numbers glued, would compile a grammar of
+# internationalised URIs for seconds; it does without when there is none
+sys.modules["rfc3987_syntax"] = None  # pyright: ignore[reportArgumentType]
 
 ROOT = Path(__file__).resolve().parents[2]  # folder of the checkout
 

@@ -15,15 +15,11 @@ from importlib import metadata
 from pathlib import Path
 from typing import Any
 
-# jsonschema, by which notebooks are checked and numbers glued, would compile a grammar of
-# internationalised URIs for seconds; it does without when there is none
-sys.modules["rfc3987_syntax"] = None  # pyright: ignore[reportArgumentType]
+import papermill
+from papermill.exceptions import PapermillExecutionError
 
-import papermill  # noqa: E402
-from papermill.exceptions import PapermillExecutionError  # noqa: E402
-
-from cmtof.types import Fields  # noqa: E402
-from cmtof_book.pairs import notebook_from_script  # noqa: E402
+from cmtof.types import Fields
+from cmtof_book.pairs import notebook_from_script
 
 # the short commit of the checkout, marked where files differ from it, or nothing
 COMMIT = "git describe --always --dirty '--exclude=*' 2>/dev/null"

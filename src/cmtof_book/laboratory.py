@@ -1,12 +1,14 @@
 """Data of the book's laboratory, a page that simulates and unwraps: scenes and the light network.
 
+    python -m cmtof_book.laboratory FOLDER
+
 They are scripts that hold data, since a page that is opened from a file may fetch nothing.
 """
 
 import gzip
 import json
+import sys
 from pathlib import Path
-from typing import Any
 
 import numpy as np
 import onnx
@@ -64,8 +66,9 @@ def object_frame(name: str) -> Frame:
 
     half = FIELD_OF_VIEW[name] / 2
     along = np.linspace(-half, half, SIDE)
-    target: Any = scene_from({"kind": "object", "name": name})
-    seen = target.look(directions_from_angles(np.dstack(np.meshgrid(along, along))))
+    seen = scene_from({"kind": "object", "name": name}).look(  # pyright: ignore[reportOptionalMemberAccess]
+        directions_from_angles(np.dstack(np.meshgrid(along, along)))
+    )
     return Frame(seen.range, seen.reflectance * seen.cosine, name=name)
 
 
@@ -73,7 +76,7 @@ def packed_scene(frame: Frame) -> Fields:
     """Size, depth in steps, 16 bit, light, 8 bit, and mask of the middle of a simulated frame."""
     measured = simulate(frame, noise_free=True)
     place = tuple(slice(max(0, n - SIDE) // 2, (n + SIDE) // 2) for n in measured.shape)
-    depth = np.nan_to_num(np.asarray(measured.depth)[place])
+    depth = np.nan_to_num(measured.depth[place])  # pyright: ignore[reportOptionalSubscript]
     height, width = depth.shape
     return {
         "width": width,
@@ -107,3 +110,7 @@ def write(folder: Path) -> None:
         (folder / f"{name}.js").write_text(
             f"laboratory.{name} = {json.dumps(data)};\n", "utf-8"
         )
+
+
+if __name__ == "__main__":
+    write(Path(sys.argv[1]))

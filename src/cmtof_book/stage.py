@@ -4,7 +4,7 @@
 
 ``BUILD`` is ``build/PROFILE`` with the executed notebooks and their results. In ``STAGE``, whose
 layout is that of the checkout, so that links to the source stay right, the Snakefile has put the
-chapters before, the figures, and the points of figures and scenes.
+chapters before, the figures, the points of figures and scenes, and the laboratory's data.
 """
 
 import re
@@ -16,7 +16,7 @@ import nbformat
 from nbformat.v4 import new_code_cell, new_markdown_cell
 
 from cmtof.types import Fields
-from cmtof_book import claims, laboratory, pages, scoreboard
+from cmtof_book import claims, pages, scoreboard
 from cmtof_book.markdown import myst
 from cmtof_book.record import read_all
 
@@ -133,7 +133,6 @@ def main(build: Path, stage: Path, *notebooks: Path) -> None:
     texts["scoreboard"] = scoreboard.page(scores, records, notebooks)
     for name, text in texts.items():
         (stage / f"book/{name}.md").write_text(text, "utf-8")
-    laboratory.write(stage / "book/_static/laboratory")
 
 
 if __name__ == "__main__":
