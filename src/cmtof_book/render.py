@@ -32,16 +32,16 @@ def store_texts(html: Path) -> None:
     texts = {}
     previews = {}
     for page in html.glob("*/*.html"):
-        if article := BeautifulSoup(page.read_text("utf-8"), "html.parser").article:
+        # nobody quotes code, half of a page
+        text = re.sub("(?s)<pre.+?</pre>", "", page.read_text("utf-8"))
+        if article := BeautifulSoup(text, "html.parser").article:
             name = page.relative_to(html).as_posix()
             for place in article.select(SHOWN):
                 kind = {"dt": "dd", "section": "p", "span": "p"}.get(place.name)
                 previews[f"{name}#{place['id']}"] = str(
                     place.find_next(kind) if kind else place
                 )
-            for unread in article.select(
-                "pre, summary, .math"
-            ):  # nobody quotes code or TeX
+            for unread in article.select("summary, .math"):  # nor TeX
                 unread.decompose()
             texts[name] = escape(article.get_text(" "))
     for name, held in {"Texts": texts, "Previews": previews}.items():
@@ -54,4 +54,3 @@ if __name__ == "__main__":
     PAGES = Path(sys.argv[1])
     lighten(PAGES)
     store_texts(PAGES)
-    print(f"book: {PAGES / 'index.html'}", file=sys.stderr)
