@@ -354,9 +354,11 @@ for mode, one in here.items():
 # bits of the T7's stream, not 14. The drive is η = π/4, not the 0.26 of the chapters on light
 # ([chapter 4](04_modulator.ipynb)), the least contrast that the paper states: at 0.26 the doubled
 # mode has 2 % of the single mode's signal, too little for a scan. Drive amplitude, laser power,
-# aperture, avalanche gain and back-reflection are not stated in the paper and are assumed. Not
-# verified in a manufacturer's document: noise, gain and excess of the detector, the order of the
-# filter EF120, reflectances and extinction ratios, and every error of the RF drivers.
+# avalanche gain and back-reflection are not stated in the paper and are assumed. So is the
+# aperture, 2 mm of the crystal's 2.5 mm or 3.2 mm before the expander; the beam of 0.5 mm that
+# Section 7.2 states has a sixteenth of its light. Not verified in a manufacturer's document: noise,
+# gain and excess of the detector, the order of the filter EF120, reflectances and extinction
+# ratios, and every error of the RF drivers.
 
 # %% tags=["hide-input"]
 paper.check_all(

@@ -240,8 +240,8 @@ plotting.save(
     f"(b) Errors of the step in {repeats} scans, both modes together; dotted: the paper's.",
     alt="Left, points about two levels half a millimetre apart, with a scatter of "
     f"{1e6 * noise[0]:.0f} µm in the single and {1e6 * noise[1]:.0f} µm in the doubled mode. "
-    f"Right, {repeats} errors of the step, within micrometres at the photon limit, and scattered "
-    f"by {1e6 * rough_scatter[2]:.0f} µm with the captures' noise.",
+    f"Right, {repeats} errors of the step, scattered by {1e6 * scatter[2]:.0f} µm at the photon "
+    f"limit, and by {1e6 * rough_scatter[2]:.0f} µm with the captures' noise.",
 )
 
 # %% [markdown]

@@ -184,7 +184,8 @@ plotting.save(
 # The GHz phase is precise to a few tens of micrometres, and to 0.3 mm with the captures' noise; its
 # errors are wrong wraps, most of all on the helmet, which returns little diffuse light. At 100 MHz
 # a wrap is 1.5 m, not the 3 m of the paper's introduction ([chapter 22](22_errata.ipynb)), so no
-# wrong wrap could fill holes as those of our helmet here, but stray light and filters could.
+# wrong wrap fills the helmet's holes there. The paper finds them «closed» by one, and does not say
+# in whose depth: in ours of the GHz scan, wrong wraps fill some of them.
 #
 # Normals of neighbouring points show the effect of a millimetre. The camera's software is assumed
 # to average 5 × 5 pixels; the GHz scan is not smoothed.
@@ -336,6 +337,7 @@ dim = flat["owl"] & (owl.reflectance < 0.1)
 paper.check_all(
     {
         "fig15.mhz_error": rms(error["owl"][dark]),
+        "fig15.mhz_error_bright": rms(error["owl"][pale]),
         "fig15.mhz_error_dark": np.nanmedian(np.abs(error["owl"][dim])),
         "fig15.mhz_power": camera.power,
         "fig15.mhz_wavelength": camera.wavelength,

@@ -351,7 +351,7 @@ grid = {
 }
 usual = 1e3 * NOISE["captures"]["phase_noise"][0]
 
-figure, axes = plt.subplots(1, 3, figsize=(8.4, 3.8))
+figure, axes = plt.subplots(1, 3, figsize=(8.4, 3.8), width_ratios=(5, 4, 4))
 axes[0].plot([str(n) for n in by_labels], [r.mean(1) for r in by_labels.values()], "-o")
 axes[0].set(xlabel="labelled scans", ylabel="right wraps (%)", title="labels")
 axes[0].legend(SCENES, fontsize="small")
@@ -361,9 +361,7 @@ for row, (label, look) in LOOK.items():
     axes[2].plot(levels, [grid[row, one][-1] for one in scanned.LEVELS], look)
 axes[1].set(xlabel="points a side", title="points, captures' noise")
 figure.legend(*axes[1].get_legend_handles_labels(), ncols=3, loc="outside lower center")
-axes[2].set(
-    xlabel="phase noise of a point (mrad)", title=f"noise, {sides[-1]} points a side"
-)
+axes[2].set(xlabel="phase noise (mrad)", title=f"noise, {sides[-1]} points a side")
 plotting.mark(axes[2], x=usual, text="captures")
 plt.setp(axes, ylim=(0, 102))
 plotting.label_panels(axes)
