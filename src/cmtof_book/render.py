@@ -32,7 +32,7 @@ def store_texts(html: Path) -> None:
     texts = {}
     previews = {}
     for page in html.glob("*/*.html"):
-        # nobody quotes code, half of a page
+        # nobody quotes code, with which this takes twice as long
         text = re.sub("(?s)<pre.+?</pre>", "", page.read_text("utf-8"))
         if article := BeautifulSoup(text, "html.parser").article:
             name = page.relative_to(html).as_posix()
@@ -41,7 +41,7 @@ def store_texts(html: Path) -> None:
                 previews[f"{name}#{place['id']}"] = str(
                     place.find_next(kind) if kind else place
                 )
-            for unread in article.select("summary, .math"):  # nor TeX
+            for unread in article.select("summary, .math"):  # nor formulas
                 unread.decompose()
             texts[name] = escape(article.get_text(" "))
     for name, held in {"Texts": texts, "Previews": previews}.items():

@@ -98,7 +98,7 @@ class TwinSettings:
     mirror: Share = 0.97  # silvered, the galvo's included (known)
     lens: Share = 0.99  # coated (known)
     # m at the galvo, before the 1.6x expander: 2 mm (assumed) of a crystal of 2.5 mm (Sec. 9); the
-    # beam of Sec. 7.2 is 0.5 mm wide there
+    # beam that leaves the expander in Sec. 7.2 is 0.5 mm wide
     aperture: PositiveFloat = 3.2e-3
     exit_radius: NonNegativeFloat = (
         0.25e-3  # m, 1/e^2, at the galvo (Sec. 7.1: 0.5 mm wide)
