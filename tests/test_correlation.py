@@ -79,6 +79,14 @@ def test_two_frequencies_decode_each_with_its_own_steps(rng):
     assert_allclose(co.decode(c, psi).phase, phase, atol=1e-12)
 
 
+def test_types_of_phase_and_depth_cost_no_precision():
+    whole = co.correlation_from_phase([0, 1], [0.5])
+    assert_allclose(whole, np.cos([[0.5, 1.5]]))
+    single = np.float32(7.3)
+    found = co.phase_from_depth(single, 14.32e9)
+    assert found == approx(co.phase_from_depth(float(single), 14.32e9), rel=1e-12)
+
+
 def test_darkness_decodes_to_a_finite_phase():
     decoded = co.decode(np.zeros((4, 5), np.float32), QUADRATURES)
     assert not decoded.phase.any()

@@ -9,7 +9,7 @@ import pytest
 from pytest import mark, raises
 from refusals import WRONG, refused
 
-from cmtof.files import atomic_output, check_output, read_document
+from cmtof.files import atomic_output, check_output, exclusive_lock, read_document
 
 pytestmark = mark.usefixtures("own_folder")
 
@@ -75,6 +75,11 @@ def test_a_write_protected_file_is_refused_at_once():
             check_output("a.txt")
     finally:
         os.seteuid(before)
+
+
+def test_an_error_under_a_lock_stays_what_it_is():
+    with raises(BlockingIOError, match="full"), exclusive_lock(Path()):
+        raise BlockingIOError("a pipe is full")
 
 
 @mark.parametrize("path, message", WRONG["paths"])

@@ -13,7 +13,7 @@ from refusals import WRONG, refused
 import cmtof
 from cmtof import captures
 from cmtof.correlation import TAU, centred, phase_from_depth
-from cmtof.frame import Frame, rays_from_camera
+from cmtof.frame import Frame, brightness, rays_from_camera
 from cmtof.scenes import load_frame
 
 pytestmark = mark.usefixtures("own_folder")
@@ -42,6 +42,19 @@ def test_frames_survive_their_file(rng, camera):
     for name in ("depth", "intensity", "camera"):
         assert_array_equal(getattr(read, name), getattr(frame, name))
     assert (read.note, read.name) == ("float16", "a")
+
+
+def test_a_frame_that_is_stored_twice_has_the_notes_of_once():
+    Frame(ONES, ONES / 100).save("a.npz")
+    once = load_frame("a.npz")
+    once.save("b.npz")
+    assert load_frame("b.npz").note == once.note != ""
+    with refused(r"named \*.npz"):
+        once.save("b")
+
+
+def test_brightness_of_bytes_is_that_of_their_values():
+    assert_allclose(brightness(np.uint8([[10, 20, 30]])), 18.1, rtol=1e-6)
 
 
 @mark.filterwarnings("error")

@@ -60,6 +60,20 @@ def test_a_tree_holds_its_views_and_official_float16_files_load(tree):
     assert frame.note == "float16 depth in steps of up to 2.0 mm"
 
 
+@mark.parametrize("kind", ["depth", "color"])
+def test_files_and_scenes_may_be_links(tree, tmp_path, kind):
+    file = FIRST.file(tree, kind)
+    file.symlink_to(file.rename(tmp_path / "object"))
+    assert load_frame(FIRST.file(tree, "depth")).camera is not None
+    scene = tree / FIRST.scene
+    store = tmp_path / "room[1]"
+    scene.symlink_to(scene.rename(store), target_is_directory=True)
+    assert [frame.name for frame in Frames(Hypersim(scene).sources())] == [
+        "ai_001_001/cam_00/0042"
+    ]
+    assert len(Hypersim(store).views) == 3
+
+
 @mark.parametrize("scene", PROJECTIONS)
 def test_depth_is_range_and_its_camera_keeps_a_wall_flat(tree, scene):
     """Points by the frame's camera are the true ones, turned: a plane, 2 m away."""

@@ -22,8 +22,9 @@ INFRARED = np.full(SHAPE, 255, np.uint16)
 
 def write(name, pixels):
     Path(name).parent.mkdir(exist_ok=True)
-    if name.endswith(".npy"):
-        np.save(name, pixels)
+    if name.lower().endswith(".npy"):
+        with Path(name).open("wb") as file:
+            np.save(file, pixels)
     else:
         Image.fromarray(pixels).save(name)
     return name
@@ -97,7 +98,7 @@ def test_planar_depth_becomes_range_along_the_ray():
     [
         ("d.pgm", LEVELS, 6e-4),
         ("d.npy", LEVELS, 6e-4),
-        ("d.npy", DEPTH, 1e-6),
+        ("d.NPY", DEPTH, 1e-6),
         ("d.pfm", DEPTH.astype(np.float32), 1e-6),
     ],
 )

@@ -162,12 +162,16 @@ def test_files_of_other_writers_open(write):
         (Path("a.yml"), "a.yml"),
         ([1, "x"], '[1, "x"]'),
         (np.array([True]), "[true]"),
+        (2**64, str(2**64)),
         (np.array(["2026-05-03"], "M8[D]"), '["2026-05-03"]'),
     ],
 )
 def test_anything_else_is_kept_as_an_attribute(value, kept):
-    made(note=value).save("m.nc")
-    assert cmtof.open("m.nc").dataset.attrs["note"] == kept
+    written = made(note=value)
+    written.dataset["psi"].attrs["note"] = value
+    written.save("m.nc")
+    read = cmtof.open("m.nc").dataset
+    assert read.attrs["note"] == read["psi"].attrs["note"] == kept
 
 
 def external_storage(file, other):

@@ -13,15 +13,15 @@ def test_ply_holds_every_finite_pixel(tmp_path, rng):
     depth = rng.uniform(1, 2, (12, 16))
     depth[3, 4] = np.nan
     path = tmp_path / "c.ply"
-    count = write_ply(
-        path, depth, CAMERA, brightness=np.ones((12, 16)), confidence=depth / 4
-    )
+    light = np.ones((12, 16))
+    light[0, 0] = np.nan  # black
+    count = write_ply(path, depth, CAMERA, brightness=light, confidence=depth / 4)
     cloud = trimesh.load(path)
     assert count == 191
     held = depth[np.isfinite(depth)]
     assert_allclose(np.linalg.norm(cloud.vertices, axis=1), held, rtol=1e-6)
     stored = cloud.metadata["_ply_raw"]["vertex"]["data"]
-    assert {*stored["red"], *stored["green"], *stored["blue"]} == {255}
+    assert {*stored["red"], *stored["green"], *stored["blue"]} == {0, 255}
     assert_allclose(stored["confidence"], held / 4, rtol=1e-6)
 
 

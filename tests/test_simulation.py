@@ -70,6 +70,8 @@ def test_impossible_conditions_are_refused(tilted_wall, changes, message):
         simulate(tilted_wall, **changes)
 
 
-def test_depths_in_millimetres_are_suspected(tilted_wall):
-    with refused("Are they in millimetres?"):
-        simulate(lit(1000 * tilted_wall.depth))
+@mark.parametrize("scale, advice", [(1000, "in millimetres"), (1, "another protocol")])
+def test_depths_in_millimetres_are_suspected(tilted_wall, scale, advice):
+    frame = lit(scale * tilted_wall.depth)
+    with refused(advice):
+        simulate(frame, protocol="full", frequencies=[7.15e9])

@@ -207,6 +207,5 @@ def pixels_needed(
     >>> pixels_needed(0.1336, 0.1336, frequencies=(7.15e9, 14.32e9))
     4450
     """
-    single = float(wrap_noise(noise_low, noise_high, frequencies=frequencies))
-    allowed = 1 / (2 * np.sqrt(2) * special.erfinv(odds))
-    return int(np.ceil((single / allowed) ** 2))
+    single = wrap_noise(noise_low, noise_high, frequencies=frequencies)
+    return int(np.ceil(8 * (single * special.erfinv(odds)) ** 2))

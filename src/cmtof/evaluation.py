@@ -227,7 +227,10 @@ class Evaluation:
         ]
 
     def report(self) -> Fields:
-        """Rates over all scored pixels of all frames, as ``cmtof evaluate --json`` writes them."""
+        """Rates over all scored pixels of all frames, as ``cmtof evaluate --json`` writes them.
+
+        Only `COVERAGE` is a mean over frames, each with the same weight.
+        """
         return {
             "protocol": self._simulated["protocol"],
             "noise": self._simulated["noise_sigma"],

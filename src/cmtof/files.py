@@ -166,12 +166,14 @@ def exclusive_lock(path: Path, *, wait: bool = False) -> Iterator[None]:
 
     handle = os.open(path, os.O_RDONLY)
     try:
-        fcntl.flock(handle, fcntl.LOCK_EX | (0 if wait else fcntl.LOCK_NB))
+        try:
+            fcntl.flock(handle, fcntl.LOCK_EX | (0 if wait else fcntl.LOCK_NB))
+        except BlockingIOError:
+            raise ValueError(
+                f"Expected {path} to be free, got a process that is writing it. "
+                "Wait until it ends."
+            ) from None
         yield
-    except BlockingIOError:
-        raise ValueError(
-            f"Expected {path} to be free, got a process that is writing it. Wait until it ends."
-        ) from None
     finally:
         os.close(handle)
 

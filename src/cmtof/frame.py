@@ -23,7 +23,7 @@ _WHITE = 0.8  # share of white pixels beyond which the light looks wrong
 _DARK = 0.02  # brightness of nearly all pixels below which it looks wrong, too
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, eq=False)
 class Frame:
     """One view of a scene: depth and light; a ValueError says what is wrong with its arrays."""
 
@@ -67,7 +67,7 @@ class Frame:
             arrays["camera"] = self.camera
         if self.note:
             arrays["note"] = np.array(self.note)
-        with atomic_output(path) as part:
+        with atomic_output(path, ".npz") as part:
             np.savez_compressed(part, **arrays)  # pyright: ignore[reportArgumentType]
 
     def middle(self, height: int, width: int) -> "Frame":
@@ -132,22 +132,6 @@ def read_npz(path: Path) -> dict[str, NDArray]:
             return {name: arrays[name] for name in arrays.files}
 
 
-def list_npz(path: Path) -> Texts:
-    """Shape and type, as text, of every array of an ``.npz`` by name; the arrays are not read."""
-    found = {}
-    with (
-        reading("a whole .npz file", path),
-        zipfile.ZipFile(check_input(path)) as archive,
-    ):
-        for member in archive.namelist():
-            with archive.open(member) as file:
-                version = np.lib.format.read_magic(file)
-                read = getattr(np.lib.format, f"read_array_header_{version[0]}_0")
-                shape, _, kind = read(file)
-                found[member.removesuffix(".npy")] = f"{shape} {kind}"
-    return found
-
-
 def frame_from_npz(path: Path, camera: ArrayLike | None) -> Frame:
     """Frame of an ``.npz`` with ``depth``, ``intensity`` and, unless given, ``camera``."""
     arrays = read_npz(path)
@@ -159,7 +143,9 @@ def frame_from_npz(path: Path, camera: ArrayLike | None) -> Frame:
     stored = arrays.get("camera") if camera is None else camera
     frame = Frame(arrays["depth"], arrays["intensity"], stored, path.stem)  # pyright: ignore[reportArgumentType]
     notes = [str(arrays.get("note", "")), frame.note, light_note(frame.intensity)]
-    vars(frame)["note"] = "; ".join(filter(None, notes))
+    # the stored one may hold what is noted again
+    parts = dict.fromkeys("; ".join(notes).split("; "))
+    vars(frame)["note"] = "; ".join(filter(None, parts))
     return frame
 
 
@@ -197,4 +183,4 @@ def ray_lengths(shape: tuple[int, ...], camera: ArrayLike) -> Array:
 def brightness(color: ArrayLike) -> Array:
     """Linear brightness 0.3 R + 0.59 G + 0.11 B of colours (..., 3), as Hypersim defines it."""
     color = np.asarray(color)
-    return color @ np.array([0.3, 0.59, 0.11], color.dtype)
+    return color @ np.array([0.3, 0.59, 0.11], np.result_type(color, np.float32))

@@ -8,9 +8,11 @@ Source: Roberts et al., ICCV 2021; https://github.com/apple/ml-hypersim.
 """
 
 import csv
+import os
 import re
 from collections.abc import Callable, Iterable
 from functools import cached_property, partial
+from glob import escape
 from pathlib import Path
 from typing import Any, NamedTuple
 
@@ -64,14 +66,14 @@ class Hypersim:
     """Hypersim folder, or one of its scenes; tables lie in it, beside it, or in ``metadata``."""
 
     def __init__(self, root: AnyPath):
-        path = Path(root).resolve()
+        path = Path(os.path.abspath(root))  # noqa: PTH100 - a link keeps its name and place
         if not is_hypersim(path):
             raise ValueError(
                 f"Expected scenes such as ai_001_001/images in {path}, got none. Name their folder."
             )
         one_scene = (path / "images").is_dir()
         self.root = path.parent if one_scene else path
-        self._scenes = path.name if one_scene else "*"
+        self._scenes = escape(path.name) if one_scene else "*"
 
     @cached_property
     def views(self) -> list[View]:
@@ -170,7 +172,7 @@ def is_hypersim(folder: Path) -> bool:
 
 def frame_of_file(path: Path) -> Frame:
     """Frame of a depth file of Hypersim; a ValueError if it lies outside the data set's layout."""
-    path = path.resolve()
+    path = Path(os.path.abspath(path))  # noqa: PTH100 - as above
     if (view := _view_from_path(path)) is None:
         raise ValueError(
             "Expected a depth file "

@@ -34,7 +34,8 @@ def frame_from_pair(
     ``depth_scale`` is in levels per metre; without it, it is 1 for floats and `LEVELS` for
     integers. Level 0 is no depth, nor is the greatest one that 16 bits hold. ``planar`` depth,
     along the optical axis, is turned into range by the ``camera`` fx, fy, cx, cy, px. The green
-    channel is made linear; with ``linear`` it is taken as it is, and its 99th percentile becomes 1.
+    channel of integers is made linear, floats are linear already; with ``linear`` either is taken
+    as it is, and its 99th percentile becomes 1.
     """
     wrong = depth_scale is not None and not 0 < depth_scale < np.inf
     if intensity is None or wrong or (planar and camera is None):
@@ -45,9 +46,10 @@ def frame_from_pair(
         )
     levels = read_image(depth)
     image = read_image(Path(intensity))
-    if levels.ndim != 2:
+    if levels.ndim != 2 or image.ndim not in (2, 3):
         raise ValueError(
-            f"Expected one channel of depth in {depth}, got {levels.shape[-1]}. Name depth first."
+            f"Expected one channel of depth in {depth} and an image of light, "
+            f"got shapes {levels.shape} and {image.shape}. Name depth first."
         )
     distance, notes = depth_from_levels(levels, depth_scale)
     if not planar:
@@ -64,13 +66,14 @@ def read_image(path: Path) -> NDArray:
     """Pixels of an image as stored: (H, W) or (H, W, channels)."""
     from PIL import Image
 
-    if path.suffix == ".exr":
+    suffix = path.suffix.lower()
+    if suffix == ".exr":
         raise ValueError(
             f"Expected an image out of {', '.join(READ)}, got {path.name}. "
             "Convert it: numpy.save('depth.npy', imageio.v3.imread(…)[..., 0])."
         )
     with reading("a PNG image (or JPEG for colour)", path):
-        if path.suffix == ".npy":
+        if suffix == ".npy":
             return np.array(
                 np.load(check_input(path), mmap_mode="r", allow_pickle=False)
             )
@@ -81,7 +84,7 @@ def read_image(path: Path) -> NDArray:
                     raise ValueError("its largest level is neither 255 nor 65535")
             # palettes hold colour numbers, not levels
             pixels = np.asarray(
-                image.convert("RGB") if image.mode in ("P", "1") else image
+                image.convert("RGB") if image.mode in ("P", "1", "CMYK") else image
             )
     # Pillow opens some 16-bit greys as 32-bit integers
     return pixels.astype(np.uint16) if pixels.dtype == np.int32 else pixels

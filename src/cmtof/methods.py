@@ -74,9 +74,10 @@ class Method:
 
     def _check(self, measurement: Measurement, options: Named) -> None:
         """Raise a ValueError if the measurement or an option does not fit the method."""
-        if not options.keys() <= inspect.signature(self.run).parameters.keys():
+        unknown = options.keys() - inspect.signature(self.run).parameters.keys()
+        if unknown:
             raise ValueError(
-                f"Expected options of method {self.name}, got {', '.join(options)}. Leave them out."
+                f"Expected options of method {self.name}, got {', '.join(unknown)}. Leave them out."
             )
         count = measurement.frequencies.size
         if count < self.frequencies:
@@ -253,32 +254,24 @@ METHODS = {method.name: method for method in _ALL}
 
 DEFAULT = "surfaces"
 
-# Older names, still understood.
-ALIASES = {"cmtof": DEFAULT} | {
-    name.replace("reference", "oracle"): name
-    for name in METHODS
-    if name.startswith("reference")
-}
-
 
 def find_method(name: str) -> Method:
-    """Method of that name or alias; a ValueError for an unknown one lists all.
+    """Method of that name; a ValueError for an unknown one lists all.
 
-    >>> find_method("oracle-depth").name
-    'reference-depth'
+    >>> find_method("beat").source
+    'Jongenelen et al. 2010'
     """
-    found = METHODS.get(ALIASES.get(name, name))
-    if found is None:
+    if name not in METHODS:
         raise ValueError(
             f"Expected a method out of {', '.join(METHODS)}, got {name}. Choose one."
         )
-    return found
+    return METHODS[name]
 
 
 def names_of(chosen: str, protocol: str = "released") -> list[str]:
     """Methods named in a comma-separated list; ``all``: all but references and untrained networks.
 
-    >>> names_of("cmtof, beat")
+    >>> names_of("surfaces, beat")
     ['surfaces', 'beat']
     """
     if chosen != "all":

@@ -76,7 +76,7 @@ def write_ply(
         )
     points = points_from_depth(depth, camera)
     kept = np.isfinite(points).all(axis=-1)
-    light = np.asarray(brightness, float)[kept]
+    light = np.nan_to_num(np.asarray(brightness, float)[kept])
     white = np.percentile(light, 99) if light.size else 1.0
     share = np.clip(light / max(white, 1e-12), 0, 1)
     grey = (255 * share ** (1 / 2.2)).astype(np.uint8)

@@ -42,13 +42,14 @@ def load_frame(
     if path.is_dir():
         return frames_in(path, intensity=intensity, **given)[0].load()
     check_input(path, f"a frame file or one of {', '.join(known)}")
-    if path.suffix in DEPTHS:
+    suffix = path.suffix.lower()
+    if suffix in DEPTHS:
         return frame_from_pair(path, intensity, **given)
     camera = given.pop("camera", None)
     _refuse_options(path, [intensity, *given.values()])
-    if path.suffix == ".npz":
+    if suffix == ".npz":
         return frame_from_npz(path, camera)
-    if path.suffix == ".hdf5":
+    if suffix == ".hdf5":
         return frame_of_file(path)
     raise ValueError(
         f"Expected a frame named *.npz, *.png or *.depth_meters.hdf5, got {path.name}. Convert it."
@@ -106,12 +107,14 @@ def _pairs(path: Path, options: Fields) -> list[Source]:
     if options.get("camera") is None:
         options = options | _scannet_camera(path)
     colours = {
-        p.stem: p for folder in ("rgb", "color") for p in (path / folder).glob("*.*g")
+        p.stem: p
+        for folder in ("rgb", "color")
+        for p in (path / folder).glob("*.*[gG]")
     }
     depths = [
         p
         for p in (path / "depth").glob("*")
-        if p.suffix in DEPTHS and p.stem in colours
+        if p.suffix.lower() in DEPTHS and p.stem in colours
     ]
     return [
         Source(

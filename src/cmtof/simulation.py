@@ -139,7 +139,7 @@ def staged_depth(
         nearest = np.nanmin(depth)
         advice = (
             "Are they in millimetres?"
-            if nearest > _FAR * high
+            if nearest > _FAR * max(high, 1.0)
             else "Use another protocol or frame."
         )
         raise ValueError(

@@ -17,7 +17,7 @@ from cmtof.correlation import (
     wrap_length,
 )
 from cmtof.estimate import Components, Estimate, sets_of_wraps, within_range
-from cmtof.files import AnyPath, atomic_output
+from cmtof.files import AnyPath, atomic_output, check_output
 from cmtof.measurement import Measurement, open_measurement, tiles
 from cmtof.methods import DEFAULT, find_method
 from cmtof.storage import open_netcdf, save_dataset, storable
@@ -40,12 +40,12 @@ def unwrap(
 
     ``range`` holds the depths to choose from, ``min <= z < max``, m, by default the measurement's
     own; pixels below ``min_confidence`` are masked; with a measurement of a ``covered`` beam stray
-    light is taken away before. ``options`` are the method's, as ``window=81`` of ``beat``. Raises
-    a ValueError for an unknown method, bad values, or a measurement that does not suit them.
+    light is taken away before. Methods use the two lowest frequencies; ``options`` are theirs, as
+    ``window=81`` of ``beat``. A ValueError says what is unknown, wrong, or does not suit them.
 
     On (y, x) the result has ``wrap_count``, the estimate of ``floor(phi / 2 pi)`` at the lowest
-    frequency, -1 where masked; ``depth``, m, of the measured phase with the
-    wraps consistent with it, NaN there; ``confidence`` in [0, 1]. ``surfaces`` and ``hybrid`` add
+    frequency, -1 where masked; ``depth``, m, of the measured phase with the wraps consistent with
+    it, NaN there; ``confidence`` in [0, 1]. ``surfaces`` and ``hybrid`` add
 
     - ``within_90`` and ``within_95``: how far, in wraps, the true count lies from ``wrap_count`` at
       most, in 90 and 95 % of the pixels of an average room; -1 where masked;
@@ -162,6 +162,11 @@ def unwrap_file(
     options ``how``. Yields the share of each tile in the image, its measurement and its result;
     the output is there after the last one. OSError if the disk cannot hold it.
     """
+    output = check_output(output, ".nc")
+    if min(tile, margin) < 0:
+        raise ValueError(
+            f"Expected tile and margin in px, 0 or more, got {tile} and {margin}. Correct them."
+        )
     if tile:
         yield from _unwrap_tiles(source, output, tile, margin, **how)
     else:
