@@ -100,5 +100,7 @@ def test_odds_of_one_pixel_equal_counting(rng, intensity):
 def test_the_law_of_the_odds_meets_the_formula_in_small_noise_and_a_guess_in_darkness():
     small = bounds.wrap_probability_law(0.02, 0.02, frequencies=FREQUENCIES)
     assert small == approx(odds(0.02), rel=1e-3)
+    wide = bounds.wrap_probability_law(0.02, 0.02, frequencies=(7.15e9, 10e9))
+    assert wide == approx(1.0)
     dark = bounds.wrap_probability_law(50.0, 50.0, frequencies=FREQUENCIES)
     assert dark == approx(20 / 7150, rel=0.05)

@@ -220,8 +220,9 @@ def test_a_rig_file_is_simulated_with_its_own_twin(succeeds):
         default + "twin: {phase_noise: [0.3, 0.3], grain: 0.2}\n"
     )
     succeeds("scan rig.yml --twin --size 2 -o m.nc --quiet")
-    settings = json.loads(cmtof.open("m.nc").dataset.attrs["twin"])
-    assert settings["phase_noise"] == [0.3, 0.3]
+    attributes = cmtof.open("m.nc").dataset.attrs
+    assert json.loads(attributes["twin"])["phase_noise"] == [0.3, 0.3]
+    assert attributes["scene"] == "still_life"
 
 
 def test_a_training_that_is_there_is_not_replaced(succeeds, fails):

@@ -158,9 +158,7 @@ def _with_valid_values(data: Dataset) -> Dataset:
         if name in data:
             variable = data[name]
             # the smallest floats, of 32 bits at least, that hold them exactly
-            floats = variable.to_numpy().astype(
-                np.result_type(variable.dtype, np.float32), copy=False
-            )
+            floats = variable.to_numpy() + np.float32(0)
             samples = _mask_samples(floats, valid, simulated)  # pyright: ignore[reportArgumentType]
             if name != "amplitude":
                 _raise_if_any(

@@ -57,7 +57,7 @@ def correlation_from_phase(
 
     ``phase`` (...) and ``psi`` (K,) in rad, ``amplitude`` and ``offset`` (...) in counts.
     """
-    phase = np.asarray(phase) + 0.0  # integers become floats
+    phase = np.add(phase, 0.0)  # integers become floats
     psi = np.asarray(psi)
     steps = psi.reshape((-1,) + (1,) * phase.ndim).astype(phase.dtype, copy=False)
     return np.asarray(offset) + np.asarray(amplitude) * np.cos(phase + steps)
@@ -190,7 +190,7 @@ def residual_noise(correlation: ArrayLike, psi: ArrayLike) -> float:
     ]  # orthonormal directions that the fit does not reach
     images = np.asarray(correlation).reshape(psi.size, -1)
     images = images[:, :: max(1, images.shape[1] // 65536)]  # a sample suffices
-    images = images.astype(np.result_type(images.dtype, np.float32), copy=False)
+    images = images + np.float32(0)  # integers become floats
     return float(
         1.4826 * np.median(np.abs(residual_basis.astype(images.dtype) @ images))
     )

@@ -78,7 +78,7 @@ def conformal_quantile(scores: Sequence[Array], level: float) -> float:
     >>> conformal_quantile(np.arange(1, 9).reshape(4, 2), 0.5)
     5.0
     """
-    share = level * (1 + 1 / len(scores))
+    share = level * (1 + 1 / len(scores)) - 1e-12  # rounding must not pass a score
     if share > 1:
         return np.inf
     weights = np.concatenate([np.full(len(one), 1 / len(one)) for one in scores])

@@ -134,7 +134,7 @@ class Palette:
     looks : structured ndarray, shape (M,)
         Materials with the fields that `Material` has, in single precision.
     mean : ndarray of float32, shape (M, 3)
-        Reflectance averaged over the pattern.
+        Reflectance of a typical pattern's mean: its second colour has the share `MEAN_SHARE`.
     """
 
     def __init__(self, materials: Sequence[Material]) -> None:

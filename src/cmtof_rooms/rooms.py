@@ -82,7 +82,8 @@ class FurnishedRoom:
     def cameras(self, views: int, lens: Lens) -> dict[str, Cameras]:
         """Poses of ``cam_00`` (across the room) and ``cam_01`` (close to things).
 
-        Together ``views``; the first ones stay the same when more are asked for.
+        Together ``views``; those of ``cam_00`` stay the same when more are asked for, and mostly
+        those of ``cam_01``.
         """
         counts = count_views(self.index, views)
         choose = partial(choose_cameras, self.interior, lens)

@@ -56,10 +56,13 @@ def test_closed_form_beyond_its_bound_is_no_surer_than_a_guess(rng):
     assert (crt.crt_closed_form(m).confidence * 327 <= 1).all()
 
 
-@mark.parametrize("method, pair", [("crt", FREQUENCIES), ("phasor", CLOSE)])
-def test_single_pixels_are_right_as_often_as_theory_predicts(method, pair):
+@mark.parametrize(
+    "method, pair, depth",
+    [("crt", FREQUENCIES, 4.0), ("crt", FREQUENCIES, 0.05), ("phasor", CLOSE, 4.0)],
+)
+def test_single_pixels_are_right_as_often_as_theory_predicts(method, pair, depth):
     """To four standard deviations of 250 000 pixels; the confidence predicts the same."""
-    m = simulate(flat_wall(500, 4.0), protocol="full", frequencies=pair)
+    m = simulate(flat_wall(500, depth), protocol="full", frequencies=pair)
     found = scores(m, method=method)
     noise = bounds.simulated_phase_noise(1.0)
     theory = bounds.wrap_probability_law(noise, noise, frequencies=pair)

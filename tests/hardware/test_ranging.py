@@ -51,6 +51,8 @@ def test_each_instrument_follows_the_stage(bench_of, way, worst):
 def test_what_a_bench_lacks_or_cannot_measure_is_said(bench_of):
     with refused("Expected flip_mirror: photodiode, got reference"):
         sweep(bench_of(KNOWN, Rig.default()), "rf", [0.0])
+    with refused("Expected RF in the single mode"):
+        sweep(bench_of(KNOWN), "rf", [0.0], mode="doubled")
     with refused(r"got 4\.10 V: it saturates\. Put a grey filter"):
         sweep(bench_of(TwinSettings(reference=MIRROR)), "reference", [0.0])
     with refused("Expected RF up to power_dbm_limit, 30 dBm, got 31"):

@@ -10,6 +10,7 @@ import cmtof
 from cmtof.correlation import wrap_count_from_depth
 from cmtof.estimate import without_holes
 from cmtof.frame import held_out_frames
+from cmtof.measurement import Measurement
 from cmtof.network import inference, weights
 from cmtof.network.features import features
 from cmtof.network.models import MODELS, build_network
@@ -66,6 +67,14 @@ def test_every_network_answers_as_in_torch(tmp_path, name, size):
     # norms that divide by the spread of an image feel the rounding, the more the smaller it is
     close = 3e-3 / min(size) if name == "fast-scnn-public" else 1e-5
     assert_allclose(found, expected, rtol=0, atol=close * abs(expected).max())
+
+
+@mark.parametrize("name", ["u-net", "rapid"])
+def test_networks_read_counts_in_any_unit(measurement, name):
+    volts = measurement.dataset["correlation"] / 3000
+    scaled = Measurement(measurement.dataset.assign(correlation=volts))
+    pair = [cmtof.unwrap(m, method=name).wrap_count for m in (measurement, scaled)]
+    assert (pair[0] == pair[1]).mean() > 0.97
 
 
 @mark.parametrize("name", MODELS)

@@ -14,6 +14,7 @@ import cmtof
 from cmtof.constants import FREQUENCY_SINGLE
 from cmtof.correlation import TAU, wrap_count_from_depth
 from cmtof.files import exclusive_lock
+from cmtof.measurement import Measurement
 from cmtof.network import training, tuning
 from cmtof.network.data import batch_at, open_rooms
 from cmtof.network.losses import IGNORED
@@ -71,9 +72,13 @@ def test_two_trainings_do_not_share_a_folder(tmp_path, config):
     assert not list(tmp_path.iterdir())
 
 
-@mark.parametrize("optimizer", ["adamw", "muon"])
-def test_killed_and_resumed_run_ends_with_the_same_weights(tmp_path, config, optimizer):
-    config = config.model_copy(update={"optimizer": optimizer})
+@mark.parametrize(
+    "changes",
+    [{}, {"optimizer": "muon"}, {"model": "fast-scnn-public"}],
+    ids=["adamw", "muon", "dropout"],
+)
+def test_killed_and_resumed_run_ends_with_the_same_weights(tmp_path, config, changes):
+    config = config.model_copy(update=changes)
     whole = train(config, tmp_path / "whole", **CPU)
     parts = tmp_path / "parts"
     assert train(config, parts, minutes=0, **CPU) is None
@@ -96,6 +101,8 @@ def test_training_goes_on_from_given_weights(config, stored):
     torch.testing.assert_close(
         begun, load_weights(path).network.state_dict(), rtol=0, atol=0
     )
+    with refused("Expected weights of fast-scnn-light for full"):
+        unwrapping(config.model_copy(update={"protocol": "full"}), path)
 
 
 def test_weight_of_the_depth_is_that_of_the_configuration(config):
@@ -200,6 +207,15 @@ def test_unlabelled_pixels_teach_nothing(trained, example):
         fine_tune(trained, [(measurement, half, z)], steps=2)[1] for z in (depth, moved)
     )
     assert first == second
+
+
+def test_a_scan_that_is_mostly_masked_teaches_too(trained, example):
+    """Its amplitudes are scaled by what is valid, as where a network answers."""
+    measurement, *labels = example
+    scan = measurement.dataset.assign_attrs(source="scan")
+    scan["mask"][4:] = 0
+    _, losses = fine_tune(trained, [(Measurement(scan), *labels)], steps=2)
+    assert np.isfinite(losses).all()
 
 
 @mark.parametrize("count", [0, 1])

@@ -153,7 +153,10 @@ def _posterior(measurement: Measurement, wraps: Numbers, residual: Array) -> Arr
     size = residual * np.sign(step)
     upper = (wraps - first + 0.5) * gap + size
     lower = size - (last - wraps + 0.5) * gap
-    mass = ndtr(upper / spread) - ndtr(lower / spread)
+    mass = sum(
+        ndtr((upper + turn) / spread) - ndtr((lower + turn) / spread)
+        for turn in (-TAU, 0.0, TAU)  # the misfit is an angle
+    )
     # beyond the cap the mass has vanished and the chosen wrap stands alone
     mass *= np.exp(np.minimum((residual / spread) ** 2 / 2, 600))
     return 1 / np.maximum(np.sqrt(TAU) * spread / gap * mass, 1.0)

@@ -13,10 +13,11 @@ quarter of one, as theirs. The answer fuses both phases.
 """
 
 from collections.abc import Iterator
+from functools import partial
 from math import ceil, prod
 
 import numpy as np
-from scipy.sparse import csr_array, diags_array
+from scipy.ndimage import gaussian_filter
 
 from cmtof.classical.crt import fused_depth, nearest_wrap
 from cmtof.correlation import TAU, centred
@@ -137,21 +138,12 @@ def _blurred_nodes(
     span = kernels.shape[1]
     beyond = [np.zeros_like(weights[0])] * (span // 2 + 1)
     padded = [*beyond, *weights, *beyond]
-    down, across = (_gaussian_band(size, radius) for size in weights[0].shape)
+    sigma = max(radius / 2, 0.5)
+    blur = partial(gaussian_filter, sigma=sigma, mode="constant", radius=radius)
     for first in range(len(padded) - span + 1):
         around = np.stack(padded[first : first + span])
         images = (np.einsum("khw,khw->hw", around, one) for one in kernels)
-        yield [np.ascontiguousarray((across @ (down @ image).T).T) for image in images]
-
-
-def _gaussian_band(size: int, radius: int) -> csr_array:
-    """Sparse matrix (size, size) that blurs along one axis by a Gaussian, zero beyond the image."""
-    apart = np.arange(-radius, radius + 1)
-    taps = np.exp(-((apart / max(radius / 2, 0.5)) ** 2) / 2)
-    taps /= taps.sum()
-    inside = abs(apart) < size
-    shares = taps[inside].astype(np.float32)
-    return diags_array(list(shares), offsets=apart[inside], shape=(size, size)).tocsr()  # pyright: ignore[reportArgumentType]
+        yield [*map(blur, images)]
 
 
 def _cubic_shares(place: Single, nodes: int) -> Single:

@@ -63,6 +63,11 @@ def train(
 
     chosen = read_config(config, **recipe)
     folder = output or Path("runs") / f"{chosen.name}-{chosen.model}-{chosen.protocol}"
+    if data and chosen.rooms is None:
+        raise ValueError(
+            f"Expected a recipe with rooms for --data, got {config} without. "
+            "Leave --data out."
+        )
     if data:
         Hypersim(data)  # refused before anything is written
 

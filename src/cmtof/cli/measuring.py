@@ -70,7 +70,7 @@ def scan(
     if not rehearsal["twin"] and rig is None:
         raise BadParameter("Expected a RIG file or --twin, got neither. Name one.")
     plan = plan_scan(Rig.default() if rig is None else Rig.load(rig), size=size)
-    bench = _opener(plan.rig, "" if rig else "still_life", **rehearsal)
+    bench = _opener(plan.rig, **rehearsal)
     if check:
         _print_states_and_exit(bench)
     if output is None:
@@ -92,7 +92,6 @@ def scan(
 
 def _opener(
     rig: "Rig",
-    default_scene: str,
     *,
     twin: bool,
     scene: str | None,
@@ -107,9 +106,8 @@ def _opener(
             )
         from cmtof_lab.rehearsal import simulated_bench
 
-        return partial(
-            simulated_bench, rig, scene or default_scene or None, seed=seed or 0
-        )
+        chosen = scene or rig.twin.get("scene", "still_life")
+        return partial(simulated_bench, rig, chosen, seed=seed or 0)
     if (seed, scene) != (None, None):
         raise BadParameter(
             "Expected --scene and --seed with --twin, got a RIG file. Leave them out."

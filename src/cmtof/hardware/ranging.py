@@ -90,6 +90,10 @@ def sweep(
     the frequency, Hz, that belongs to the phase, and the settings. The bench is set up. Raises as a
     scan does, and a ValueError where light saturates the detector.
     """
+    if way == "rf" and mode != "single":
+        raise ValueError(
+            f"Expected RF in the single mode, whose drive is its light's, got {mode}. Choose it."
+        )
     read = partial(take_reading, bench, way, bench.daq.gain(), count(label))
     bench.choose_mode(mode)
     frequency = MODES[mode] * bench.rig.drive_frequency(mode)

@@ -221,7 +221,9 @@ def network_images(measurement: Measurement, kind: str) -> list[Single]:
     # noise alone has more in the simulation
     if not 0.1 < np.quantile(amplitude[0], 0.9) / FULL_AMPLITUDE < 2:
         bright = np.quantile(amplitude, 0.9, axis=(1, 2), keepdims=True)
-        amplitude *= FULL_AMPLITUDE / np.maximum(bright, np.float32(1e-30))
+        factor = FULL_AMPLITUDE / np.maximum(bright, np.float32(1e-30))
+        amplitude *= factor
+        more = [image * factor[:, None] for image in more]
     return [phase, amplitude, *more]
 
 

@@ -18,19 +18,6 @@ class SingleConv2d(nn.Conv2d):
             return super()._conv_forward(input.float(), weight.float(), bias)
 
 
-class ImageNorm(nn.InstanceNorm2d):
-    """Normalisation of each image and channel to mean 0 and variance 1, without weights."""
-
-    def forward(self, input: Tensor) -> Tensor:
-        if not self.training:
-            return super().forward(input)
-        # image by image: three times as fast where channels lie last
-        images = input.split(1)
-        return torch.cat(
-            [functional.batch_norm(x, None, None, training=True) for x in images]
-        )
-
-
 class NormedConv(nn.Sequential):
     """Convolution, batch norm, and further layers such as a ReLU.
 
@@ -40,7 +27,7 @@ class NormedConv(nn.Sequential):
 
     def forward(self, input: Tensor) -> Tensor:
         layer, norm, *more = self
-        if norm.training or isinstance(norm, ImageNorm):
+        if norm.training or isinstance(norm, nn.InstanceNorm2d):
             return super().forward(input)
         scale, offset = scale_and_offset(norm)
         x = layer._conv_forward(input, layer.weight * scale.view(-1, 1, 1, 1), offset)  # pyright: ignore[reportCallIssue, reportOperatorIssue]
@@ -69,7 +56,8 @@ def conv(i: int, o: int, kernel=3, *, relu=True, dilation=1, **more) -> NormedCo
 
 def separable(i: int, o: int, stride: int = 1) -> nn.Sequential:
     """Depthwise separable convolution from i to o channels."""
-    return nn.Sequential(conv(i, i, stride=stride, groups=i), conv(i, o, 1))
+    alone = conv(i, i, stride=stride, groups=i)
+    return nn.Sequential(alone, conv(i, o, 1))
 
 
 def resize_like(x: Tensor, like: Tensor, aligned: bool = False) -> Tensor:

@@ -15,7 +15,6 @@ from cmtof.correlation import TAU
 from cmtof.network.features import CLASSES, FEATURE_SETS, channels, padding
 from cmtof.network.layers import (
     Bottleneck,
-    ImageNorm,
     NormedConv,
     Pyramid,
     Residual,
@@ -244,7 +243,7 @@ class PublicFastSCNN(Network):
         )
         for layer in self.modules():
             if isinstance(layer, NormedConv):
-                layer[1] = ImageNorm(layer[1].num_features)  # pyright: ignore[reportArgumentType]
+                layer[1] = nn.InstanceNorm2d(layer[1].num_features)  # pyright: ignore[reportArgumentType]
 
     def body(self, x: Tensor) -> Tensor:
         fine = self.down(x)  # (B, 64, H/2, W/2)

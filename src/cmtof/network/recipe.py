@@ -60,7 +60,7 @@ class Config(Strict):
     """Configuration of one training: everything that decides its result."""
 
     name: str = "own"
-    model: str = "fast-scnn"
+    model: Literal[tuple(MODELS)] = "fast-scnn"  # pyright: ignore[reportInvalidTypeForm]
     protocol: Protocol = "released"
     stages: tuple[Stage, ...] = Field(min_length=1)
     rooms: Rooms | None = Rooms()  # without them it validates on leaves
@@ -77,12 +77,7 @@ class Config(Strict):
     seed: Count = 0
 
     @model_validator(mode="after")
-    def _check_model_and_crops(self) -> "Config":
-        if self.model not in MODELS:
-            raise ValueError(
-                f"Expected a model out of {', '.join(MODELS)}, got {self.model}. "
-                "Choose one."
-            )
+    def _check_crops(self) -> "Config":
         side = min(self.rooms.height, self.rooms.width) if self.rooms else 0
         if any(stage.rooms and stage.crop > side for stage in self.stages):
             raise ValueError(

@@ -113,10 +113,11 @@ class Unwrapping(LightningModule):
             self.network.model = self.network.model._replace(
                 depth_weight=config.depth_weight
             )
-        if init is not None:
-            self.network.load_state_dict(
-                weights.load_weights(init).network.state_dict()
-            )
+        if init:
+            given = weights.load_weights(init).network.state_dict()
+            expected = f"weights of {config.model} for {config.protocol}"
+            with reading(expected, init, "Choose others."):
+                self.network.load_state_dict(given)
         for layer in norms(self.network):
             layer.momentum = 0.03
         self.average = deepcopy(self.network).requires_grad_(False)
@@ -148,6 +149,8 @@ class Unwrapping(LightningModule):
         stage, share = self.config.stage_at(self.global_step)
         for layer in norms(self.network):
             layer.train(share < stage.freeze)
+        # what is dropped out follows from the step, also in a resumed run
+        torch.manual_seed(self.config.seed + self.global_step)
         loss = loss_of(self.network, self.sample_from_batch(batch))
         self.log("loss", loss, prog_bar=True)
         return loss
@@ -344,8 +347,8 @@ def _card(module: Unwrapping) -> weights.Card:
     config = module.config
     first, classes = CLASSES[config.protocol]
     data = "dead leaves"
-    if config.rooms:
-        data += f"; {config.rooms.scenes}x{config.rooms.views} views of rooms"
+    if module.seen:
+        data += f"; {len(module.seen.far)} views"
     hardware = f"CPU, {torch.get_num_threads()} threads"
     if torch.cuda.is_available():
         hardware = torch.cuda.get_device_name()

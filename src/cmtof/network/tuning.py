@@ -12,6 +12,7 @@ from torch.utils.data import default_collate
 
 from cmtof.constants import FREQUENCIES, FREQUENCY_SINGLE
 from cmtof.correlation import TAU
+from cmtof.estimate import without_holes
 from cmtof.measurement import Measurement
 from cmtof.network import weights
 from cmtof.network.data import Sample
@@ -119,7 +120,7 @@ def _view(
         (label >= 0) & (label < card.classes) & np.isfinite(turns) & measurement.mask
     )
     return (
-        network_images(measurement, network.model.features),
+        network_images(without_holes(measurement), network.model.features),
         np.where(known, label, IGNORED),
         np.where(known, turns - card.first_wrap, 0),
     )
