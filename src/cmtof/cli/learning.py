@@ -63,7 +63,7 @@ def train(
 
     chosen = read_config(config, **recipe)
     folder = output or Path("runs") / f"{chosen.name}-{chosen.model}-{chosen.protocol}"
-    if data and chosen.rooms is None:
+    if data and not chosen.rooms:
         raise ValueError(
             f"Expected a recipe with rooms for --data, got {config} without. "
             "Leave --data out."
