@@ -185,14 +185,11 @@ def wrap_probability_law(
     multiple = round(high / low)
     ratio = high / low - multiple  # signed Delta / f_1
     error = TAU * (np.arange(8192) + 0.5) / 8192 - np.pi
-    nodes, weights = np.polynomial.legendre.leggauss(9)
-    # parts of the inner integral, each within two standard deviations
-    parts = int(np.pi * abs(ratio) / linear_high) + 1
-    inner = np.zeros(error.size)
-    for middle in np.arange(1 - parts, parts, 2) / parts:
-        beat = ratio * (error[:, None] + np.pi * (middle + nodes / parts))
-        density = phase_density(multiple * error[:, None] + beat, linear_high)
-        inner += density @ weights / parts
+    # the more, the more standard deviations the beat may err by
+    count = 9 + int(4 * np.pi * abs(ratio) / linear_high)
+    nodes, weights = np.polynomial.legendre.leggauss(count)
+    beat = ratio * (error[:, None] + np.pi * nodes)
+    inner = phase_density(multiple * error[:, None] + beat, linear_high) @ weights
     return float(
         TAU * np.mean(phase_density(error, linear_low) * inner) * np.pi * abs(ratio)
     )

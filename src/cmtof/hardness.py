@@ -38,16 +38,16 @@ def hardness(depth: ArrayLike) -> Hardness:
     depth = np.asarray(depth, float)
     ends = bends(depth)
     wrap = wrap_length(FREQUENCY_SINGLE)
-    slopes = []
-    jumps = []
-    for image, marks in ((depth, ends), (depth.T, ends.T)):
-        change = abs(np.diff(image, axis=0))
-        is_jump = marks[1:] & marks[:-1]
-        slopes.append(change[np.isfinite(change) & ~is_jump] / wrap)
-        # of the two pixels that a bend marks, the step lies between them
-        jumps.append(change[is_jump & (change > BEND)] / wrap)
+    # of the two pixels that a bend marks, the step lies between them
+    steps = [
+        (abs(np.diff(image, axis=0)).ravel(), (marks[1:] & marks[:-1]).ravel())
+        for image, marks in ((depth, ends), (depth.T, ends.T))
+    ]
+    change, is_jump = np.concatenate(steps, axis=1)
+    slopes = change[np.isfinite(change) & (is_jump == 0)] / wrap
+    jumps = change[(change > BEND) & (is_jump == 1)] / wrap
     surfaces, _ = ndimage.label(~ends)  # pyright: ignore[reportGeneralTypeIssues]
     pixels = np.bincount(surfaces.ravel()).astype(float)
     pixels[0] = 1  # a pixel on an edge stands alone
     sizes = pixels[surfaces][np.isfinite(depth)]  # pyright: ignore[reportArgumentType, reportCallIssue]
-    return Hardness(np.concatenate(slopes), np.concatenate(jumps), sizes)
+    return Hardness(slopes, jumps, sizes)

@@ -1,10 +1,11 @@
 """Unwrapping by any method: from a measurement to wrap count, depth and confidence."""
 
+import shutil
 from collections.abc import Iterator
 from typing import Any
 
 import numpy as np
-from xarray import Dataset, combine_nested
+from xarray import Dataset
 
 from cmtof import __version__
 from cmtof.contract import with_coordinates
@@ -16,7 +17,7 @@ from cmtof.correlation import (
     wrap_length,
 )
 from cmtof.estimate import Components, Estimate, sets_of_wraps, within_range
-from cmtof.files import AnyPath, check_output
+from cmtof.files import AnyPath, atomic_output, check_output
 from cmtof.measurement import Measurement, open_measurement, tiles
 from cmtof.methods import DEFAULT, find_method
 from cmtof.storage import open_netcdf, save_dataset, storable
@@ -158,8 +159,8 @@ def unwrap_file(
     """Unwrap a file into a ``.nc``; with ``tile`` in square tiles, for a ``.nc`` beyond memory.
 
     A tile of ``tile`` px is unwrapped together with ``margin`` px around it, by `unwrap` with the
-    options ``how``. Yields the share of each tile in the image, its measurement and its result,
-    which are some 16 bytes a pixel; the output is there after the last one.
+    options ``how``. Yields the share of each tile in the image, its measurement and its result;
+    the output is there after the last one. OSError if the disk cannot hold it.
     """
     output = check_output(output, ".nc")
     if tile > 0:
@@ -174,24 +175,52 @@ def _unwrap_tiles(
     source: AnyPath, output: AnyPath, tile: int, margin: int, **how: Any
 ) -> Iterator[Unwrapped]:
     """Unwrap a file in tiles, each with a margin, px; yields as `unwrap_file` does."""
+    import h5netcdf
+
     if not str(source).endswith(".nc"):
         raise ValueError(
             f"Expected a .nc to read by tiles, got {source}. Leave the tiles out."
         )
-    parts = []
-    with open_netcdf(source) as handle:
+    with open_netcdf(source) as handle, atomic_output(output) as part:
         dataset = with_coordinates(handle)
-        for seen, inner, _ in tiles(dataset, tile, margin):
-            parts.append(
-                unwrap(seen, **how)
-                .drop_dims(["number", "offset"], errors="ignore")
-                .drop_vars("component", errors="ignore")
-                .isel(inner)
-                .copy(deep=True)  # without the margin
+        height = dataset.sizes["y"]
+        width = dataset.sizes["x"]
+        if shutil.disk_usage(part.parent).free < (
+            need := 16 * height * width + 2**20
+        ):  # or HDF5 ends all
+            raise OSError(
+                f"Expected {need} bytes of disk space for {output}, got less. Free some."
             )
-            share = parts[-1].depth.size / (dataset.sizes["y"] * dataset.sizes["x"])
-            yield share, Measurement(seen.dataset.isel(inner)), parts[-1]
-        columns = -(-dataset.sizes["x"] // tile)
-    rows = [parts[at : at + columns] for at in range(0, len(parts), columns)]
-    joined = combine_nested(rows, ["y", "x"], combine_attrs="override")
-    save_dataset(joined.assign_attrs(tile=tile, margin=margin), output)
+        with h5netcdf.File(part, "w") as file:
+            file.dimensions = {"y": height, "x": width}
+            for seen, inner, place in tiles(dataset, tile, margin):
+                result = (
+                    unwrap(seen, **how)
+                    .drop_vars(
+                        ["component", "component_odds", "number", "offset"],
+                        errors="ignore",
+                    )
+                    .isel(inner)
+                )
+                _write_tile(file, result, place)
+                file.attrs.update(result.attrs | {"tile": tile, "margin": margin})
+                yield (
+                    result.depth.size / (height * width),
+                    Measurement(seen.dataset.isel(inner)),
+                    result,
+                )
+
+
+def _write_tile(file: Any, result: Dataset, place: tuple[slice, slice]) -> None:
+    """Write the images of a tile to their place in an open h5netcdf file."""
+    for name, image in result.items():
+        if name not in file.variables:
+            file.create_variable(
+                name,
+                ("y", "x"),
+                image.dtype,
+                chunks=image.shape,
+                compression="gzip",
+                compression_opts=1,
+            ).attrs.update(image.attrs)
+        file.variables[name][place] = image.to_numpy()

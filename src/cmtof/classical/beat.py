@@ -78,11 +78,12 @@ def beat(measurement: Measurement, *, window: int = WINDOW) -> Estimate:
     phasor = beat_phasor(measurement)
     mean = uniform_filter(phasor, window)
     power = uniform_filter(abs(phasor) ** 2, window)
-    counts = [_independent_pixels(size, window) for size in measurement.shape]
+    # what is reflected counts once
+    inside = uniform_filter(np.ones(phasor.shape), window, mode="constant")
     # of the noise 1 + k^2 parts lie across the beat, and two along it
     square = synthetic_frequency(*measurement.frequencies).multiple ** 2
     across = np.sqrt(2 - 4 / (3 + square))
-    spread = across * noise_of_mean(mean, power, np.outer(*counts))
+    spread = across * noise_of_mean(mean, power, window**2 * inside)
     depth = beat_depth(np.angle(mean), measurement)
     wraps = depth / wrap_length(measurement.frequencies[0])
     sloping = uniform_filter(wraps**2, window) - uniform_filter(wraps, window) ** 2
@@ -91,13 +92,6 @@ def beat(measurement: Measurement, *, window: int = WINDOW) -> Estimate:
         BIAS * np.sqrt(np.maximum(sloping, 0)),
     )
     return Estimate(depth, rounding_odds(noise))
-
-
-def _independent_pixels(size: int, window: int) -> Array:
-    """Number of independent pixels (size,) in a reflected window about each pixel of a row."""
-    place = np.arange(size)
-    beyond = np.maximum(window // 2 - np.minimum(place, place[::-1]), 0)
-    return np.minimum(window**2 / (window + 2 * beyond), size)  # they count twice
 
 
 def beat_depth(phase: Array, measurement: Measurement) -> Array:
