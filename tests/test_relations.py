@@ -58,6 +58,7 @@ COUNTS = {  # other counts of the same light
     "ambient light": lambda c: c + 1000,
     "float64": lambda c: c.astype(float),
     "uint16": lambda c: c.round().clip(0).astype("uint16"),
+    "int32": lambda c: c.round().astype("int32"),
     "differences of two buckets": lambda c: (c - 9e3).astype("int16"),
     "counts x 1e-20": lambda c: 1e-20 * c,
     "counts x 1e+12": lambda c: 1e12 * c,
