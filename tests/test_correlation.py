@@ -43,14 +43,6 @@ def test_decoding_undoes_encoding_for_any_distinct_psi(steps, phase, amplitude, 
     assert decoded.amplitude == approx(amplitude, rel=1e-6, abs=1e-6 * abs(offset))
 
 
-def test_four_steps_equal_the_first_fourier_bin(rng):
-    c = rng.normal(10, 1, (4, 200))
-    bin_1 = np.fft.fft(c, axis=0)[1]
-    decoded = co.decode(c, QUADRATURES)
-    assert_allclose(decoded.phase, co.wrapped(np.angle(bin_1)), atol=1e-12)
-    assert_allclose(decoded.amplitude, 2 * abs(bin_1) / 4, atol=1e-12)
-
-
 @mark.parametrize("steps", [3, 4, 16])
 def test_decoding_in_single_precision_errs_by_less_than_5_microradians(rng, steps):
     psi = rng.permutation(nominal_psi(steps))
@@ -70,13 +62,6 @@ def test_decoding_in_single_precision_errs_by_less_than_5_microradians(rng, step
     assert_allclose(fast.offset, exact.offset, rtol=1e-5)
     assert fast.phase.min() >= 0
     assert fast.phase.max() < TAU
-
-
-def test_two_frequencies_decode_each_with_its_own_steps(rng):
-    psi = np.add.outer([0, 0.2], QUADRATURES)
-    phase = rng.uniform(0, TAU, (2, 6, 7))
-    c = np.stack([*map(co.correlation_from_phase, phase, psi)])
-    assert_allclose(co.decode(c, psi).phase, phase, atol=1e-12)
 
 
 def test_types_of_phase_and_depth_cost_no_precision():

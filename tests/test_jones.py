@@ -1,6 +1,5 @@
 """Jones calculus: known actions of the elements. In test_modulator they conserve energy."""
 
-import numpy as np
 from hypothesis import given
 from hypothesis import strategies as st
 from numpy.testing import assert_allclose
@@ -21,12 +20,6 @@ def rotation(angle):
 def test_retarder_is_its_diagonal_form_turned_by_its_angle(retardance, axis):
     turned = rotation(axis) @ jones.eom(retardance) @ rotation(-axis)
     assert_allclose(jones.retarder(retardance, axis), turned, atol=1e-14)
-
-
-def test_eom_is_equation_10():
-    assert_allclose(
-        jones.eom(0.7), np.diag([np.exp(-0.35j), np.exp(0.35j)]), rtol=0, atol=1e-16
-    )
 
 
 @given(ratio, ratio)

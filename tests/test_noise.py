@@ -71,20 +71,6 @@ def test_averaging_brings_white_noise_down_by_the_window(noisy, sigma, window):
     assert low < (apart**2).mean() * window**2 / transverse < high
 
 
-def test_curvature_shifts_by_the_documented_bias():
-    y, x = np.mgrid[-20:21, -20:21]
-    phase = 0.01 / 2 * (x**2 + y**2)
-    bias = centred(denoise(phase, window=7).phase - phase)[20, 20]
-    assert bias == approx(0.01 * (7**2 - 1) / 12, rel=0.02)
-
-
-def test_coherence_falls_at_edges():
-    plane = np.add.outer(0.2 * np.arange(30), 0.5 * np.arange(30))
-    plane[:, 15:] += np.pi
-    coherence = denoise(plane).coherence
-    assert coherence[15, 15] < 0.9 < coherence[15, 5]
-
-
 @mark.parametrize("ky, kx", [(0, 7), (12, 5), (30, 48)])
 def test_a_ripple_leaves_its_response_and_a_surface_of_third_order_nothing(ky, kx):
     y, x = np.mgrid[:96, :96]

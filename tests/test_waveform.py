@@ -25,12 +25,6 @@ def test_an_odd_number_of_samples_comes_back_from_its_harmonics(samples):
     assert_allclose(back, samples, atol=1e-12)
 
 
-def test_coefficients_follow_the_convention_with_their_sign():
-    theta = TAU * np.arange(32) / 32
-    samples = 2 + 3 * np.cos(theta) - 4 * np.sin(2 * theta)
-    assert_allclose(harmonics_from_waveform(samples, 3), [2, 1.5, 2j, 0], atol=1e-14)
-
-
 def test_gate_is_the_series_of_the_square_wave():
     wave = waveform_from_harmonics(gate(4001), [0.0, 1.0, 2.5, np.pi, np.pi / 2])
     assert_allclose(wave, [1, 1, 0, 0, 0.5], atol=3e-4)

@@ -6,7 +6,6 @@ from dataclasses import replace
 import numpy as np
 from numpy.testing import assert_allclose
 from pytest import approx, mark
-from scipy.special import jv
 
 from cmtof.correlation import centred, decode, phase_from_depth
 from cmtof.hardware.reduction import nominal_psi
@@ -52,16 +51,6 @@ def test_phase_grows_with_the_range_and_with_air(mode, frequency):
     ):
         turned = decode_plane(settings, z, mode).phase - near
         assert abs(centred(turned - phase_from_depth(longer, frequency))) < 3e-3
-
-
-@mark.parametrize("mode", FREQUENCY)
-def test_contrast_is_that_of_the_closed_form(mode):
-    two_eta = 2 * IDEAL.eta
-    wanted = 2 * jv(1, two_eta) ** 2
-    if mode == "doubled":
-        wanted = 2 * jv(2, two_eta) ** 2 / (1 - jv(0, two_eta)) ** 2
-    found = decode_plane(IDEAL, 0.6, mode)
-    assert found.amplitude / found.offset == approx(wanted, rel=2e-2)
 
 
 def test_light_and_modulation_need_their_switches():

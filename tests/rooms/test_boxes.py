@@ -1,7 +1,7 @@
-"""Boxes by their limits."""
+"""Boxes by their limits; examples in their docstrings touch and are inset."""
 
 import numpy as np
-from pytest import approx, mark
+from pytest import approx
 
 from cmtof_rooms.boxes import Box
 from cmtof_rooms.solids import join
@@ -10,26 +10,10 @@ from cmtof_rooms.things import meshes_of
 CUBE = Box(0.0, 1.0, 0.0, 1.0, 0.0, 1.0)
 
 
-@mark.parametrize(
-    ("other", "meets"),
-    [
-        (Box(0.2, 0.8, 0.2, 0.8, 0.0, 1.0), True),
-        (Box(0.9, 2.0, 0.9, 2.0, 0.0, 1.0), True),
-        (Box(1.0, 2.0, 0.0, 1.0, 0.0, 1.0), False),
-        (Box(0.0, 1.0, 1.5, 2.0, 0.0, 1.0), False),
-    ],
-)
-def test_boxes_meet_only_where_they_share_more_than_a_side(other, meets):
-    assert CUBE.meets([other]) == meets
-    assert other.meets([CUBE]) == meets
-
-
-@mark.parametrize("axis", ["x", "y", "z"])
-def test_an_inset_lies_inside_at_its_side_and_that_of_an_axis_at_both(axis):
-    low, high = axis + "0", axis + "1"
-    assert CUBE.inset(**{low: 0.25}) == CUBE.cut(**{low: 0.25})
-    assert CUBE.inset(**{high: 0.25}) == CUBE.cut(**{high: 0.75})
-    assert CUBE.inset(**{axis: 0.25}) == CUBE.cut(**{low: 0.25, high: 0.75})
+def test_boxes_that_share_little_meet_from_either_side():
+    other = Box(0.9, 2.0, 0.9, 2.0, 0.0, 1.0)
+    assert CUBE.meets([other])
+    assert other.meets([CUBE])
 
 
 def test_limits_that_are_arrays_stand_for_several_boxes():

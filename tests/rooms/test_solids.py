@@ -30,7 +30,6 @@ SOLIDS = {
         0.03 * np.pi,
     ),
     "ball": (solids.ball(1.0, fineness=5), 4 * np.pi / 3),
-    "sheet": (solids.sheet(GRID, 0.01), 0.02),
     "sheet from its other side": (solids.sheet(GRID[::-1], 0.01), 0.02),
 }
 
