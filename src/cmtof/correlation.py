@@ -57,7 +57,7 @@ def correlation_from_phase(
 
     ``phase`` (...) and ``psi`` (K,) in rad, ``amplitude`` and ``offset`` (...) in counts.
     """
-    phase = np.add(phase, 0.0)  # integers become floats
+    phase = np.asarray(phase) + 0.0  # integers become floats
     psi = np.asarray(psi)
     steps = psi.reshape((-1,) + (1,) * phase.ndim).astype(phase.dtype, copy=False)
     return np.asarray(offset) + np.asarray(amplitude) * np.cos(phase + steps)

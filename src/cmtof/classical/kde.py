@@ -143,7 +143,7 @@ def _blurred_nodes(
     for first in range(len(padded) - span + 1):
         around = np.stack(padded[first : first + span])
         images = (np.einsum("khw,khw->hw", around, one) for one in kernels)
-        yield [*map(blur, images)]
+        yield [*map(blur, images)]  # pyright: ignore[reportReturnType]
 
 
 def _cubic_shares(place: Single, nodes: int) -> Single:

@@ -224,7 +224,7 @@ def network_images(measurement: Measurement, kind: str) -> list[Single]:
         factor = FULL_AMPLITUDE / np.maximum(bright, np.float32(1e-30))
         amplitude *= factor
         more = [image * factor[:, None] for image in more]
-    return [phase, amplitude, *more]
+    return [phase, amplitude, *more]  # pyright: ignore[reportReturnType]
 
 
 def _at_quadratures(dataset: xr.Dataset) -> Array:
