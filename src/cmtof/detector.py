@@ -42,8 +42,7 @@ def poisson_gaussian(
         raise ValueError(
             f"Expected order 'paper' or 'released', got {order!r}. Choose one."
         )
-    mean = np.asarray(mean)
-    mean = mean if mean.dtype == np.float32 else mean.astype(float)
+    mean = np.asarray(mean) + np.float32(0)
     _check_counts(mean, sigma)
     gaussian = rng.standard_normal(mean.shape, dtype=mean.dtype.type)
     gaussian *= float(sigma)

@@ -185,4 +185,4 @@ def _sample_noise(images: NDArray, psi: Array) -> float:
     finite = np.ptp(images, axis=0) > 0  # false for NaN; zeros fill what saw nothing
     if not finite.any():
         return 0.0
-    return residual_noise(images if finite.all() else images[:, finite], psi)
+    return residual_noise(images[:, finite], psi)

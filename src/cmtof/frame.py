@@ -132,6 +132,19 @@ def read_npz(path: Path) -> dict[str, NDArray]:
             return {name: arrays[name] for name in arrays.files}
 
 
+def list_npz(path: Path) -> Iterator[str]:
+    """Name, shape and type of every array of an ``.npz``; the arrays are not read."""
+    with (
+        reading("a whole .npz file", path),
+        zipfile.ZipFile(check_input(path)) as archive,
+    ):
+        for member in archive.namelist():
+            with archive.open(member) as file:
+                np.lib.format.read_magic(file)
+                shape, _, kind = np.lib.format.read_array_header_1_0(file)
+            yield f"{member.removesuffix('.npy')} {shape} {kind}"
+
+
 def frame_from_npz(path: Path, camera: ArrayLike | None) -> Frame:
     """Frame of an ``.npz`` with ``depth``, ``intensity`` and, unless given, ``camera``."""
     arrays = read_npz(path)

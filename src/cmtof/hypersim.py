@@ -99,10 +99,8 @@ class Hypersim:
         depth = read_array(view.file(self.root, "depth"), 2)
         notes = []
         if depth.dtype == np.float16:
-            step = 1000 * float(
-                np.spacing(np.max(depth, where=np.isfinite(depth), initial=0))
-            )
-            notes.append(f"float16 depth in steps of up to {step:.1f} mm")
+            step = np.spacing(depth[np.isfinite(depth)].max(initial=0))
+            notes.append(f"float16 depth in steps of up to {1e3 * step:.1f} mm")
         color = view.file(self.root, "color")
         intensity = np.ones(depth.shape)
         if blank and not color.is_file():

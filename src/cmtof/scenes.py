@@ -8,12 +8,11 @@ from typing import Any
 import numpy as np
 
 from cmtof.files import AnyPath, check_input, reading
-from cmtof.frame import Frame, Frames, Source, embedded_frames, frame_from_npz
+from cmtof.frame import Frame, Source, embedded_frames, frame_from_npz
+from cmtof.frame import Frames as Frames  # for those who read several
 from cmtof.hypersim import Hypersim, frame_of_file, is_hypersim
 from cmtof.images import frame_from_pair
 from cmtof.types import Fields
-
-__all__ = ["Frame", "Frames", "embedded_frames", "frames_in", "load_frame"]
 
 # Suffixes of images that may hold depth.
 DEPTHS = (".png", ".pgm", ".pfm", ".npy", ".exr")

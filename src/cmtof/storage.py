@@ -6,7 +6,6 @@ import sys
 from collections.abc import Iterator
 from contextlib import contextmanager
 from pathlib import Path
-from threading import Lock
 from typing import Any
 
 import numpy as np
@@ -24,7 +23,6 @@ from cmtof.files import (
 from cmtof.types import Fields
 from cmtof.validation import check_claim
 
-_OPENING = Lock()  # one thread at a time changes the hook
 _PLAIN = (str, int, float, np.number, np.ndarray)
 
 
@@ -45,8 +43,6 @@ def storable(value: Any) -> Any:
     """The value as netCDF can store it: numbers and text kept, flags 0 or 1, others as JSON."""
     if isinstance(value, bool | np.bool_):
         return int(value)
-    if isinstance(value, int) and value.bit_length() > 63:
-        return str(value)
     if isinstance(value, np.ndarray) and value.dtype.kind not in "iuf":
         value = value.tolist()
     if isinstance(value, list | tuple):
@@ -62,19 +58,17 @@ def storable(value: Any) -> Any:
 def open_netcdf(path: AnyPath) -> Iterator[Dataset]:
     """Open a netCDF file without loading its arrays; a ValueError for whatever is wrong."""
     path = check_input(path, "a measurement file")
+    hook, sys.unraisablehook = sys.unraisablehook, lambda _: None
     reason = None
-    with _OPENING:
-        hook, sys.unraisablehook = sys.unraisablehook, lambda _: None
-        try:  # h5netcdf's destructor would print a traceback of its own for a damaged file
-            with reading("a whole netCDF4 file", path):
-                handle = _open_handle(path)
-        except ValueError as error:
-            # without the traceback, which holds the file
-            reason = ValueError(*error.args)
-        finally:
-            if reason:
-                gc.collect()
-            sys.unraisablehook = hook
+    try:  # h5netcdf's destructor would print a traceback of its own for a damaged file
+        with reading("a whole netCDF4 file", path):
+            handle = _open_handle(path)
+    except ValueError as error:
+        reason = ValueError(*error.args)  # without the traceback, which holds the file
+    finally:
+        if reason:
+            gc.collect()
+        sys.unraisablehook = hook
     if reason:
         raise reason
     with handle:  # pyright: ignore[reportGeneralTypeIssues, reportPossiblyUnboundVariable]

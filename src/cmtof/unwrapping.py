@@ -17,7 +17,7 @@ from cmtof.correlation import (
     wrap_length,
 )
 from cmtof.estimate import Components, Estimate, sets_of_wraps, within_range
-from cmtof.files import AnyPath, atomic_output, check_output
+from cmtof.files import AnyPath, atomic_output
 from cmtof.measurement import Measurement, open_measurement, tiles
 from cmtof.methods import DEFAULT, find_method
 from cmtof.storage import open_netcdf, save_dataset, storable
@@ -162,7 +162,6 @@ def unwrap_file(
     options ``how``. Yields the share of each tile in the image, its measurement and its result;
     the output is there after the last one. OSError if the disk cannot hold it.
     """
-    output = check_output(output, ".nc")
     if tile > 0:
         yield from _unwrap_tiles(source, output, tile, margin, **how)
     else:
@@ -181,7 +180,7 @@ def _unwrap_tiles(
         raise ValueError(
             f"Expected a .nc to read by tiles, got {source}. Leave the tiles out."
         )
-    with open_netcdf(source) as handle, atomic_output(output) as part:
+    with open_netcdf(source) as handle, atomic_output(output, ".nc") as part:
         dataset = with_coordinates(handle)
         height = dataset.sizes["y"]
         width = dataset.sizes["x"]

@@ -135,15 +135,15 @@ def info(
 
     from cmtof import __version__
     from cmtof.captures import data_root
-    from cmtof.frame import embedded_frames, read_npz
+    from cmtof.frame import embedded_frames, list_npz
     from cmtof.measurement import open_measurement
     from cmtof.storage import open_netcdf
 
     if file is not None:
         path = embedded_frames().get(str(file), file)
         if path.suffix == ".npz":
-            for name, array in read_npz(path).items():
-                say(f"{name} {array.shape} {array.dtype}")
+            for line in list_npz(path):
+                say(line)
             return
         text = StringIO()
         if path.suffix == ".nc":

@@ -18,7 +18,7 @@ class Muon(torch.optim.AdamW):
 
     def step(self, closure: Callable[[], Any] | None = None) -> Any:
         """One step; the closure evaluates loss and gradients."""
-        loss = closure() if closure is not None else None
+        loss = closure and closure()
         for group in self.param_groups:
             if group.get("orthogonal"):
                 for kernel in group["params"]:
