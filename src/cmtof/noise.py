@@ -43,6 +43,12 @@ def denoise(phase: ArrayLike, *, window: int = 5) -> Denoised:
     >>> phase = np.outer(np.ones(9), 0.7 * np.arange(9)) % (2 * np.pi)
     >>> np.allclose(denoise(phase).phase, phase)
     True
+    >>> bowl = 0.005 * np.add.outer(np.arange(-9, 10) ** 2, np.arange(-9, 10) ** 2)
+    >>> round(float(denoise(bowl, window=7).phase[9, 9]), 3)  # 0.01 * 48 / 12
+    0.04
+    >>> edge = np.multiply.outer(np.ones(9), np.pi * (np.arange(12) > 5))
+    >>> denoise(edge).coherence[4, [2, 5]].round(1).tolist()
+    [1.0, 0.2]
     """
     flat = _windows_without_slope(phase, window)
     total = flat.sum(axis=(-2, -1))

@@ -8,8 +8,10 @@ from typing import Any
 import numpy as np
 
 from cmtof.files import AnyPath, check_input, reading
-from cmtof.frame import Frame, Source, embedded_frames, frame_from_npz
-from cmtof.frame import Frames as Frames  # for those who read several
+from cmtof.frame import Frame as Frame  # so that others may import it from here
+from cmtof.frame import Frames as Frames
+from cmtof.frame import Source, frame_from_npz
+from cmtof.frame import embedded_frames as embedded_frames
 from cmtof.hypersim import Hypersim, frame_of_file, is_hypersim
 from cmtof.images import frame_from_pair
 from cmtof.types import Fields

@@ -48,7 +48,7 @@ def test_averages_divide_the_noise_by_the_side_of_the_window():
 
 
 def test_the_beat_is_as_sure_in_a_corner_as_it_is_right():
-    """A window that is reflected there counts a quarter of its pixels four times."""
+    """There the window is reflected, so that a quarter of it is counted four times."""
     draws = [simulate(flat_wall(42, 1.0), seed=seed) for seed in range(200)]
     found = [cmtof.unwrap(m, method="beat").isel(x=0, y=0) for m in draws]
     right = np.mean([one.wrap_count == int(1.0 / WRAP) for one in found])

@@ -213,7 +213,7 @@ def test_a_scan_that_is_mostly_masked_teaches_too(trained, example):
     """Its amplitudes are scaled by what is valid, as where a network answers."""
     measurement, *labels = example
     scan = measurement.dataset.assign_attrs(source="scan")
-    scan["mask"][4:] = 0
+    scan["mask"][2:] = 0
     _, losses = fine_tune(trained, [(Measurement(scan), *labels)], steps=2)
     assert np.isfinite(losses).all()
 

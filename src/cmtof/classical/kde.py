@@ -138,8 +138,9 @@ def _blurred_nodes(
     span = kernels.shape[1]
     beyond = [np.zeros_like(weights[0])] * (span // 2 + 1)
     padded = [*beyond, *weights, *beyond]
-    sigma = max(radius / 2, 0.5)
-    blur = partial(gaussian_filter, sigma=sigma, mode="constant", radius=radius)
+    blur = partial(
+        gaussian_filter, sigma=max(radius / 2, 0.5), mode="constant", radius=radius
+    )
     for first in range(len(padded) - span + 1):
         around = np.stack(padded[first : first + span])
         images = (np.einsum("khw,khw->hw", around, one) for one in kernels)
